@@ -1,0 +1,97 @@
+"""An original cloud and its simplification, with the neighbour queries that the metrics share."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lpcompare.geometry.neighbors import Neighbors
+from lpcompare.geometry.planes import plane_distances
+from lpcompare.geometry.scale import bounding_box_center, bounding_box_diagonal
+from lpcompare.types import Points, Vector
+
+_LARGEST_NEIGHBORHOOD = 12
+
+
+class Comparison:
+    """Both clouds, moved to the centre of the original; each shared quantity is computed once.
+
+    Parameters
+    ----------
+    original : ndarray, shape (n, 3)
+        The clean input cloud, finite, in model units.
+    simplified : ndarray, shape (m, 3)
+        The reduced cloud, m >= 1.
+    """
+
+    def __init__(self, original: Points, simplified: Points) -> None:
+        center = bounding_box_center(original)
+        self.original: Points = original - center
+        self.simplified: Points = simplified - center
+        self.diagonal = bounding_box_diagonal(original)
+        self._plane_errors: dict[int, Vector] = {}
+
+    @cached_property
+    def original_neighbors(self) -> Neighbors:
+        """k-d tree over the original."""
+        return Neighbors(self.original)
+
+    @cached_property
+    def simplified_neighbors(self) -> Neighbors:
+        """k-d tree over the simplified cloud."""
+        return Neighbors(self.simplified)
+
+    @cached_property
+    def _forward(self) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
+        return self.simplified_neighbors.query(self.original, _LARGEST_NEIGHBORHOOD)
+
+    @cached_property
+    def _backward(self) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
+        return self.original_neighbors.query(self.simplified, 1)
+
+    @property
+    def forward_distances(self) -> Vector:
+        """Distance of each original to its nearest simplified point, shape (n,), in model units."""
+        return self._forward[0][:, 0]
+
+    @property
+    def backward_distances(self) -> Vector:
+        """Distance of each simplified point to its nearest original, shape (m,), in model units."""
+        return self._backward[0][:, 0]
+
+    @property
+    def forward_nearest(self) -> NDArray[np.intp]:
+        """Row of the nearest simplified point of each original, shape (n,)."""
+        return self._forward[1][:, 0]
+
+    @property
+    def backward_nearest(self) -> NDArray[np.intp]:
+        """Row of the nearest original of each simplified point, shape (m,)."""
+        return self._backward[1][:, 0]
+
+    def plane_errors(self, n_neighbors: int) -> Vector:
+        """Eq. 27 before the mean: distance of each original to the plane of its nearest simplified points.
+
+        Parameters
+        ----------
+        n_neighbors : int
+            Simplified points that carry each plane.
+
+        Returns
+        -------
+        ndarray, shape (n,), in model units.
+        """
+        if n_neighbors not in self._plane_errors:
+            within = n_neighbors <= _LARGEST_NEIGHBORHOOD
+            nearest = self._forward if within else self.simplified_neighbors.query(self.original, n_neighbors)
+            indices = nearest[1][:, :n_neighbors]
+            self._plane_errors[n_neighbors] = plane_distances(self.original, self.simplified, indices)
+        return self._plane_errors[n_neighbors]
+
+    def percent(self, length: float) -> float:
+        """A length in % of the original's bounding-box diagonal; of a cloud without extent, 0 or infinity."""
+        if self.diagonal > 0:
+            return 100.0 * length / self.diagonal
+        return 0.0 if length == 0 else float("inf")

@@ -1,0 +1,53 @@
+"""The errors of lpcompare, each also a builtin so that it can be caught without importing this module.
+
+::
+
+    LpcompareError
+    ├── InputError (ValueError)          an argument, a cloud or a file that cannot be worked on
+    │   └── NotApplicable                a method declines this input; the harness writes `skipped`
+    ├── UnknownName (LookupError)        no method, metric, model or setting of that name
+    ├── Unavailable (ImportError)        a package or system library is missing; the harness writes `skipped`
+    ├── SolverError (RuntimeError)       the solver ended without a usable selection
+    └── ModelDataError (OSError)         a model could not be fetched, checked or read
+
+A message names the thing, the value received, what is allowed and what to do.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+
+
+class LpcompareError(Exception):
+    """Base class of every error that lpcompare raises on purpose."""
+
+
+class InputError(LpcompareError, ValueError):
+    """An argument, a cloud or a file that cannot be worked on."""
+
+
+class NotApplicable(InputError):  # noqa: N818 - it is a refusal with a reason, not a fault
+    """A method declines this input for a stated reason, such as a missing mesh."""
+
+
+class UnknownName(LpcompareError, LookupError):  # noqa: N818 - the tree of the design
+    """A name that is not registered."""
+
+    def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
+        known = sorted(known)
+        near = get_close_matches(name, known, n=1)
+        hint = f" Did you mean {near[0]!r}?" if near else ""
+        super().__init__(f"Unknown {kind} {name!r}.{hint} Known: {', '.join(known)}.")
+
+
+class Unavailable(LpcompareError, ImportError):  # noqa: N818 - the tree of the design
+    """A package or a system library that is needed is not installed."""
+
+
+class SolverError(LpcompareError, RuntimeError):
+    """The solver ended without a usable selection."""
+
+
+class ModelDataError(LpcompareError, OSError):
+    """A model could not be fetched, checked or read."""

@@ -1,0 +1,1 @@
+"""Numerics on points, shared by the method, the metrics and the baselines."""

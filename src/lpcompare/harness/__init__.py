@@ -1,0 +1,1 @@
+"""Plans, cases in child processes, clocks, and the records of a run."""

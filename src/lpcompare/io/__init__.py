@@ -1,0 +1,1 @@
+"""Point clouds from and to files."""

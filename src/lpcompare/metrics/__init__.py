@@ -1,0 +1,1 @@
+"""One file per metric: a function of the file's name, and the columns that it fills."""

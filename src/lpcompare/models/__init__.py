@@ -1,0 +1,1 @@
+"""Shapes: embedded in a wheel, downloaded and checked, generated, or read from a file."""

@@ -1,0 +1,159 @@
+"""The records that travel through lpcompare, and its array aliases."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Protocol, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+Points: TypeAlias = NDArray[np.float64]
+"""Coordinates, shape ``(n, 3)``, in model units."""
+
+Vector: TypeAlias = NDArray[np.float64]
+"""One number per point, shape ``(n,)``."""
+
+Indices: TypeAlias = NDArray[np.intp]
+"""Row numbers, shape ``(m,)``."""
+
+Mask: TypeAlias = NDArray[np.bool_]
+"""One truth value per point, shape ``(n,)``."""
+
+
+@dataclass(frozen=True, eq=False)
+class PointCloud:
+    """A point cloud as it was read, with everything that its file said about each point.
+
+    Attributes
+    ----------
+    points : ndarray, shape (n, 3)
+        Coordinates in model units.
+    normals : ndarray, shape (n, 3), or None
+        Unit normals.
+    colors : ndarray, shape (n, 4), or None
+        Red, green, blue, alpha, each from 0 to 1.
+    attributes : mapping of str to ndarray, each of shape (n, ...)
+        Further values per point.
+    faces : ndarray of int, shape (f, 3), or None
+        Triangles as rows of ``points``.
+    name : str
+        The model's name or the file's stem.
+    """
+
+    points: Points
+    normals: Points | None = None
+    colors: NDArray[np.float64] | None = None
+    attributes: Mapping[str, NDArray[Any]] = field(default_factory=dict)
+    faces: NDArray[np.intp] | None = None
+    name: str = ""
+
+    def __len__(self) -> int:
+        return len(self.points)
+
+
+@dataclass(frozen=True, eq=False)
+class Simplification:
+    """What a method returns.
+
+    Attributes
+    ----------
+    points : ndarray, shape (m, 3)
+        The reduced cloud, in model units.
+    indices : ndarray of int, shape (m,), or None
+        The rows of the input that were kept, ascending; None when the points are new.
+    timings : mapping of str to float
+        Seconds per stage.
+    info : mapping of str to Any
+        What else the method has to say; the keys are the method's own.
+    """
+
+    points: Points
+    indices: Indices | None = None
+    timings: Mapping[str, float] = field(default_factory=dict)
+    info: Mapping[str, Any] = field(default_factory=dict)
+
+    def __len__(self) -> int:
+        return len(self.points)
+
+
+class SimplifyFunction(Protocol):
+    """A method: a function of the points, the count to keep, a generator and its own settings.
+
+    A method that knows more than points declares a keyword ``cloud`` and is given the `PointCloud`.
+    """
+
+    def __call__(
+        self, points: Points, target_count: int, *, rng: np.random.Generator, **settings: Any
+    ) -> Simplification: ...
+
+
+@dataclass(frozen=True)
+class Traits:
+    """What a method needs, loses and promises; every method file states its own as ``TRAITS``.
+
+    The values are literals: they are read from the source without importing the file.
+
+    Attributes
+    ----------
+    wraps : str
+        The library that does the work and its function.
+    source : str
+        The paper or manual that defines the method.
+    licence : str
+        Licence of the wrapped library.
+    needs_mesh, needs_normals : bool
+        What the input must have beside points.
+    moves_points : bool
+        The result is not a subset of the input.
+    keeps_attributes : bool
+        Attributes can follow the points: by index, or because the method carries them.
+    seeded : bool
+        The same seed gives the same points.
+    exact_count : bool
+        The result has exactly the number of points asked for.
+    requires : tuple of str
+        Importable modules that must be present.
+    extra : str
+        The extra of lpcompare that installs them; empty for a default method.
+    """
+
+    wraps: str = "lpcompare"
+    source: str = ""
+    licence: str = "GPL-3.0-or-later"
+    needs_mesh: bool = False
+    needs_normals: bool = False
+    moves_points: bool = False
+    keeps_attributes: bool = True
+    seeded: bool = True
+    exact_count: bool = True
+    requires: tuple[str, ...] = ()
+    extra: str = ""
+
+    @property
+    def keeps_indices(self) -> bool:
+        """Whether the result names the rows of the input that it kept."""
+        return not self.moves_points
+
+
+@dataclass(frozen=True)
+class Column:
+    """One number that a metric reports.
+
+    Attributes
+    ----------
+    unit : str
+        "% of diagonal", "model units", "degrees", "share" or "".
+    better : str
+        "lower" or "higher".
+    sides : str
+        "original to reduced", "reduced to original", "both", or "reduced" for one cloud alone.
+    title : str
+        One line for tables and legends.
+    """
+
+    unit: str
+    title: str
+    better: str = "lower"
+    sides: str = "original to reduced"

@@ -1,0 +1,72 @@
+"""Imports point one way: the table of CONTRIBUTING.md, enforced on every source file."""
+
+import ast
+from importlib.util import find_spec
+from pathlib import Path
+
+import pytest
+
+CORE = {"types", "errors"}
+ALLOWED = {
+    "types": set(),
+    "errors": set(),
+    "geometry": CORE,
+    "io": CORE,
+    "lp": CORE | {"geometry"},
+    "refinement": CORE | {"geometry"},
+    "methods": CORE | {"geometry", "lp", "refinement"},
+    "baselines": CORE | {"geometry"},
+    "comparison": CORE | {"geometry"},
+    "metrics": CORE | {"geometry", "comparison"},
+    "models": CORE | {"geometry", "io"},
+    "registry": CORE,
+    "harness": CORE | {"geometry", "io", "registry", "models", "comparison", "refinement"},
+    "report": CORE | {"geometry", "comparison", "registry", "harness"},
+    "meshlab": CORE | {"geometry", "lp", "comparison"},
+}
+PYMESHLAB_ROOMS = {"meshlab", "io", "models", "baselines", "metrics", "report"}
+
+
+def sources():
+    for package, room in (("lpcompare", ""), ("lpcompare_baselines", "baselines")):
+        root = Path(find_spec(package).origin).parent
+        for path in sorted(root.rglob("*.py")):
+            first = path.relative_to(root).parts[0]
+            yield pytest.param(path, room or first.removesuffix(".py"), id=f"{package}/{path.relative_to(root)}")
+
+
+def imported(path):
+    """Dotted names of every import, at module level or inside a function, without TYPE_CHECKING ones."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    guarded = {n for g in ast.walk(tree) if isinstance(g, ast.If) and "TYPE_CHECKING" in ast.unparse(g.test) for n in ast.walk(g)}
+    for node in ast.walk(tree):
+        if node in guarded:
+            continue
+        if isinstance(node, ast.Import):
+            yield from (a.name for a in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{path}: relative import"
+            base = node.module or ""
+            yield from (f"{base}.{a.name}" for a in node.names) if base == "lpcompare" else (base,)
+
+
+@pytest.mark.parametrize(("path", "room"), sources())
+def test_a_room_imports_only_the_rooms_below_it(path, room):
+    if room in ("__init__", "__main__", "cli"):
+        return
+    assert room in ALLOWED, f"{path}: {room!r} has no line in the import table"
+    used = {name.split(".")[1] for name in imported(path) if name.startswith("lpcompare.")}
+    assert used - {room} <= ALLOWED[room]
+
+
+@pytest.mark.parametrize(("path", "room"), sources())
+def test_pymeshlab_is_imported_only_where_meshlab_is_spoken(path, room):
+    if any(name.split(".")[0] == "pymeshlab" for name in imported(path)):
+        assert room in PYMESHLAB_ROOMS
+
+
+@pytest.mark.parametrize(("path", "room"), sources())
+def test_only_the_command_line_prints(path, room):
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    prints = [n.lineno for n in ast.walk(tree) if isinstance(n, ast.Call) and ast.unparse(n.func) == "print"]
+    assert room == "cli" or not prints

@@ -1,0 +1,98 @@
+"""What every method found must keep: counts, subsets, repeatability, clean inputs."""
+
+import inspect
+
+import numpy as np
+import pytest
+
+from lpcompare.errors import NotApplicable
+from lpcompare.registry import METHODS
+from lpcompare.types import PointCloud, Simplification
+
+N_POINTS, TARGET = 600, 150
+
+
+def usable():
+    for name in METHODS:
+        missing = METHODS.missing(name)
+        yield pytest.param(name, marks=pytest.mark.skipif(bool(missing), reason=missing))
+
+
+@pytest.fixture(scope="module")
+def cloud():
+    """A closed triangulated sphere: points, normals and faces."""
+    from scipy.spatial import ConvexHull
+
+    rng = np.random.default_rng(7)
+    points = rng.normal(size=(N_POINTS, 3))
+    points /= np.linalg.norm(points, axis=1, keepdims=True)
+    return PointCloud(points, normals=points.copy(), faces=outward(points, ConvexHull(points).simplices), name="sphere")
+
+
+def outward(points, faces):
+    a, b, c = (points[faces[:, i]] for i in range(3))
+    inward = np.einsum("fi,fi->f", np.cross(b - a, c - a), a) < 0
+    faces[inward] = faces[inward][:, ::-1]
+    return faces.astype(np.intp)
+
+
+def run(name, cloud, target=TARGET, seed=0):
+    function, module = METHODS.get(name), METHODS.module(name)
+    known = {"cloud": cloud} if "cloud" in inspect.signature(function).parameters else {}
+    settings = {}
+    if hasattr(module, "calibrate"):
+        extra = {"cloud": cloud} if "cloud" in inspect.signature(module.calibrate).parameters else {}
+        settings = module.calibrate(cloud.points, target, rng=np.random.default_rng(seed), **extra)
+    return function(cloud.points, target, rng=np.random.default_rng(seed), **known, **settings)
+
+
+@pytest.mark.parametrize("name", usable())
+def test_result_keeps_the_promises_of_its_traits(name, cloud):
+    traits, before = METHODS.traits(name), cloud.points.copy()
+    result = run(name, cloud)
+    assert isinstance(result, Simplification)
+    assert result.points.shape == (len(result), 3)
+    assert result.points.dtype == np.float64
+    assert np.isfinite(result.points).all()
+    assert np.array_equal(cloud.points, before), "the input was changed"
+    assert all(isinstance(v, float) and v >= 0 for v in result.timings.values())
+    if traits.exact_count:
+        assert len(result) == TARGET
+    else:
+        assert 1 <= len(result) <= N_POINTS
+    if traits.keeps_indices:
+        assert result.indices is not None
+        assert (np.diff(result.indices) > 0).all(), "indices ascend and are distinct"
+        assert np.array_equal(result.points, cloud.points[result.indices])
+    else:
+        assert result.indices is None
+
+
+@pytest.mark.parametrize("name", METHODS.names())
+def test_source_says_what_it_is_and_where_it_comes_from(name):
+    traits = METHODS.traits(name)
+    assert METHODS.summary(name).endswith(".")
+    assert traits.wraps
+    assert traits.licence
+    assert not traits.requires or traits.extra
+
+
+@pytest.mark.parametrize("name", usable())
+def test_function_takes_points_count_rng_and_keyword_settings_with_defaults(name):
+    parameters = list(inspect.signature(METHODS.get(name)).parameters.values())
+    assert [p.name for p in parameters[:2]] == ["points", "target_count"]
+    assert all(p.kind is p.KEYWORD_ONLY for p in parameters[2:])
+    assert "rng" in {p.name for p in parameters}
+    assert METHODS.get(name).__doc__
+
+
+@pytest.mark.parametrize("name", usable())
+def test_a_method_that_needs_a_mesh_declines_a_cloud_without_faces(name, cloud):
+    if METHODS.traits(name).needs_mesh:
+        with pytest.raises(NotApplicable):
+            run(name, PointCloud(cloud.points, name="bare"))
+
+
+@pytest.mark.parametrize("name", [n for n in METHODS.names() if METHODS.traits(n).wraps.startswith(("lpcompare", "numpy", "scipy"))])
+def test_same_seed_gives_the_same_points(name, cloud):
+    assert np.array_equal(run(name, cloud, seed=3).points, run(name, cloud, seed=3).points)
