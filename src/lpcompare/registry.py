@@ -74,7 +74,9 @@ class Registry:
         try:
             return import_module(dotted)
         except ImportError as error:
-            raise Unavailable(f"{self.kind} {name!r} cannot be loaded: {error}.{self._remedy(name)}") from error
+            raise Unavailable(
+                f"{self.kind} {name!r} cannot be loaded: {error}.{self._remedy(name)}"
+            ) from error
 
     def get(self, name: str) -> Callable[..., Any]:
         """Import a plug-in and return its function; raises as `module` does."""

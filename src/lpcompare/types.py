@@ -86,7 +86,9 @@ class SimplifyFunction(Protocol):
 
     def __call__(
         self, points: Points, target_count: int, *, rng: np.random.Generator, **settings: Any
-    ) -> Simplification: ...
+    ) -> Simplification:
+        """Keep ``target_count`` of the points."""
+        ...
 
 
 @dataclass(frozen=True)

@@ -32,13 +32,20 @@ def sources():
         root = Path(find_spec(package).origin).parent
         for path in sorted(root.rglob("*.py")):
             first = path.relative_to(root).parts[0]
-            yield pytest.param(path, room or first.removesuffix(".py"), id=f"{package}/{path.relative_to(root)}")
+            yield pytest.param(
+                path, room or first.removesuffix(".py"), id=f"{package}/{path.relative_to(root)}"
+            )
 
 
 def imported(path):
-    """Dotted names of every import, at module level or inside a function, without TYPE_CHECKING ones."""
+    """Dotted names of every import of a file, TYPE_CHECKING ones left out."""
     tree = ast.parse(path.read_text(encoding="utf-8"))
-    guarded = {n for g in ast.walk(tree) if isinstance(g, ast.If) and "TYPE_CHECKING" in ast.unparse(g.test) for n in ast.walk(g)}
+    guarded = {
+        n
+        for g in ast.walk(tree)
+        if isinstance(g, ast.If) and "TYPE_CHECKING" in ast.unparse(g.test)
+        for n in ast.walk(g)
+    }
     for node in ast.walk(tree):
         if node in guarded:
             continue
@@ -50,7 +57,7 @@ def imported(path):
             yield from (f"{base}.{a.name}" for a in node.names) if base == "lpcompare" else (base,)
 
 
-@pytest.mark.parametrize(("path", "room"), sources())
+@pytest.mark.parametrize(("path", "room"), list(sources()))
 def test_a_room_imports_only_the_rooms_below_it(path, room):
     if room in ("__init__", "__main__", "cli"):
         return
@@ -59,13 +66,13 @@ def test_a_room_imports_only_the_rooms_below_it(path, room):
     assert used - {room} <= ALLOWED[room]
 
 
-@pytest.mark.parametrize(("path", "room"), sources())
+@pytest.mark.parametrize(("path", "room"), list(sources()))
 def test_pymeshlab_is_imported_only_where_meshlab_is_spoken(path, room):
     if any(name.split(".")[0] == "pymeshlab" for name in imported(path)):
         assert room in PYMESHLAB_ROOMS
 
 
-@pytest.mark.parametrize(("path", "room"), sources())
+@pytest.mark.parametrize(("path", "room"), list(sources()))
 def test_only_the_command_line_prints(path, room):
     tree = ast.parse(path.read_text(encoding="utf-8"))
     prints = [n.lineno for n in ast.walk(tree) if isinstance(n, ast.Call) and ast.unparse(n.func) == "print"]

@@ -26,7 +26,9 @@ def cloud():
     rng = np.random.default_rng(7)
     points = rng.normal(size=(N_POINTS, 3))
     points /= np.linalg.norm(points, axis=1, keepdims=True)
-    return PointCloud(points, normals=points.copy(), faces=outward(points, ConvexHull(points).simplices), name="sphere")
+    return PointCloud(
+        points, normals=points.copy(), faces=outward(points, ConvexHull(points).simplices), name="sphere"
+    )
 
 
 def outward(points, faces):
@@ -46,7 +48,7 @@ def run(name, cloud, target=TARGET, seed=0):
     return function(cloud.points, target, rng=np.random.default_rng(seed), **known, **settings)
 
 
-@pytest.mark.parametrize("name", usable())
+@pytest.mark.parametrize("name", list(usable()))
 def test_result_keeps_the_promises_of_its_traits(name, cloud):
     traits, before = METHODS.traits(name), cloud.points.copy()
     result = run(name, cloud)
@@ -77,7 +79,7 @@ def test_source_says_what_it_is_and_where_it_comes_from(name):
     assert not traits.requires or traits.extra
 
 
-@pytest.mark.parametrize("name", usable())
+@pytest.mark.parametrize("name", list(usable()))
 def test_function_takes_points_count_rng_and_keyword_settings_with_defaults(name):
     parameters = list(inspect.signature(METHODS.get(name)).parameters.values())
     assert [p.name for p in parameters[:2]] == ["points", "target_count"]
@@ -86,13 +88,16 @@ def test_function_takes_points_count_rng_and_keyword_settings_with_defaults(name
     assert METHODS.get(name).__doc__
 
 
-@pytest.mark.parametrize("name", usable())
+@pytest.mark.parametrize("name", list(usable()))
 def test_a_method_that_needs_a_mesh_declines_a_cloud_without_faces(name, cloud):
     if METHODS.traits(name).needs_mesh:
         with pytest.raises(NotApplicable):
             run(name, PointCloud(cloud.points, name="bare"))
 
 
-@pytest.mark.parametrize("name", [n for n in METHODS.names() if METHODS.traits(n).wraps.startswith(("lpcompare", "numpy", "scipy"))])
+@pytest.mark.parametrize(
+    "name",
+    [n for n in METHODS.names() if METHODS.traits(n).wraps.startswith(("lpcompare", "numpy", "scipy"))],
+)
 def test_same_seed_gives_the_same_points(name, cloud):
     assert np.array_equal(run(name, cloud, seed=3).points, run(name, cloud, seed=3).points)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from lpcompare.geometry.threads import thread_count
 from lpcompare.types import Points
@@ -21,11 +21,9 @@ class Neighbors:
 
     def __init__(self, points: Points) -> None:
         self.points = points
-        self._tree = cKDTree(points, balanced_tree=False, compact_nodes=True)
+        self._tree = KDTree(points, balanced_tree=False, compact_nodes=True)
 
-    def query(
-        self, queries: Points, n_neighbors: int
-    ) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
+    def query(self, queries: Points, n_neighbors: int) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
         """Nearest rows of the cloud for each query point.
 
         Parameters
