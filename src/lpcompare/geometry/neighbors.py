@@ -41,4 +41,4 @@ class Neighbors:
         """
         k = min(n_neighbors, len(self.points))
         distances, indices = self._tree.query(queries, k=np.arange(1, k + 1), workers=thread_count())
-        return distances, indices
+        return np.asarray(distances), np.asarray(indices)

@@ -1,0 +1,46 @@
+"""The command ``lpcompare``: one file per sub-command, each with one function ``command``."""
+
+from __future__ import annotations
+
+import os
+import sys
+from importlib import import_module
+from pkgutil import iter_modules
+
+import typer
+
+from lpcompare.errors import LpcompareError
+
+EXIT_BAD_INPUT = 2
+
+
+def build_app() -> typer.Typer:
+    """The application with a sub-command for every file of this folder."""
+    app = typer.Typer(
+        help="Thin point clouds by boolean linear programming, and compare methods at equal counts.",
+        no_args_is_help=True,
+        rich_markup_mode=None,
+        pretty_exceptions_enable=False,
+        context_settings={"help_option_names": ["-h", "--help"]},
+    )
+    app.callback()(lambda: None)
+    for file in sorted(m.name for m in iter_modules(__path__) if not m.name.startswith("_")):
+        app.command(file.replace("_", "-"))(import_module(f"{__name__}.{file}").command)
+    return app
+
+
+def main() -> None:
+    """Run ``lpcompare``; what is wrong with the input is one sentence on stderr and exit code 2."""
+    try:
+        build_app()()
+    except LpcompareError as error:
+        _quit(str(error))
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    except OSError as error:
+        _quit(f"{error.filename or 'The system'}: {error.strerror or error}.")
+
+
+def _quit(sentence: str) -> None:
+    sys.stderr.write(f"lpcompare: {sentence}\n")
+    sys.exit(EXIT_BAD_INPUT)
