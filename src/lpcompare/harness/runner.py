@@ -15,7 +15,7 @@ from lpcompare.harness.child import run_case
 from lpcompare.harness.environment import capture, package_versions
 from lpcompare.harness.inputs import Input, file_name, write_input
 from lpcompare.harness.keys import case_key
-from lpcompare.harness.perturbation import CLEAN
+from lpcompare.harness.perturbation import CLEAN, perturb
 from lpcompare.harness.plan import REFERENCE, Case, Plan, target_count
 from lpcompare.harness.record import Record, Run, load_run
 from lpcompare.harness.store import RunFolder
@@ -217,10 +217,14 @@ class _Runner:
         return replace(record, cloud=f"clouds/{kept.name}")
 
     def _input(self, case: Case) -> Input:
-        """The cloud that a case is given; perturbed ones are made when they are first asked for."""
+        """The cloud that a case is given; damaged ones are made once per seed."""
         if case.perturbation == CLEAN:
             return self.clean[case.model]
-        raise InputError(f"There is no perturbation {case.perturbation.kind!r}.")
+        key = (case.model, case.perturbation, case.seed)
+        if key not in self.inputs:
+            damaged = perturb(self.models[case.model], case.perturbation, case.seed)
+            self.inputs[key] = write_input(self.store.clouds, damaged, case.perturbation, case.seed)
+        return self.inputs[key]
 
     def _head(self) -> dict[str, object]:
         methods = [variant.method for variant in self.plan.variants]
