@@ -117,8 +117,8 @@ def test_faces_that_name_no_point(tmp_path):
 def test_nothing_is_left_of_a_failed_write(cloud, tmp_path):
     with pytest.raises(InputError, match="does not exist"):
         write_point_cloud(tmp_path / "nowhere" / "a.ply", cloud)
+    os.mkfifo(tmp_path / "pipe.ply")
     with pytest.raises(InputError, match="not a file"):
-        os.mkfifo(tmp_path / "pipe.ply")
         write_point_cloud(tmp_path / "pipe.ply", cloud)
     (tmp_path / "pipe.ply").unlink()
     (tmp_path / "a.ply").write_text("precious")
