@@ -40,5 +40,6 @@ class Neighbors:
             Rows of the cloud.
         """
         k = min(n_neighbors, len(self.points))
-        distances, indices = self._tree.query(queries, k=np.arange(1, k + 1), workers=thread_count())
-        return np.asarray(distances), np.asarray(indices)
+        distances, indices = self._tree.query(queries, k=k, workers=thread_count())
+        shape = (len(queries), k)
+        return np.reshape(distances, shape), np.reshape(indices, shape)
