@@ -30,9 +30,11 @@ from pathlib import Path
 from typing import Any
 
 from lpcompare.errors import InputError, UnknownName
+from lpcompare.geometry.threads import thread_count
+from lpcompare.harness.environment import physical_memory_mib
 from lpcompare.harness.hints import fits, spell
 from lpcompare.harness.perturbation import CLEAN, Perturbation
-from lpcompare.harness.plan import Variant, check_names, default_methods
+from lpcompare.harness.plan import Plan, Variant, check_names, choose_metrics, default_methods
 from lpcompare.harness.settings import check_settings
 
 _FIELDS: dict[str, Any] = {
@@ -49,6 +51,9 @@ _FIELDS: dict[str, Any] = {
     "settings": Mapping[str, Any],
     "perturbations": Mapping[str, Any],
 }
+
+
+_DIRECT = ("models", "reductions", "seeds", "repeats", "protocol", "refine", "time_limit_s")
 
 
 def preset_names() -> tuple[str, ...]:
@@ -79,8 +84,45 @@ def read_study(name_or_path: str) -> dict[str, Any]:
         for key, value in study.get(table, {}).items():
             kind = Mapping if table == "settings" else list
             if not isinstance(value, kind):
-                raise InputError(f"Study {name_or_path}: {table}.{key} is {value!r}; it must be a {spell(kind)}.")
+                raise InputError(
+                    f"Study {name_or_path}: {table}.{key} is {value!r}; it must be a {spell(kind)}."
+                )
     return study
+
+
+def build_plan(
+    fields: Mapping[str, Any], *, memory_limit_mib: int | None, threads: int | None, jobs: int | None
+) -> Plan:
+    """The plan of a study's fields, checked; what is not said has the defaults of `Plan`.
+
+    Parameters
+    ----------
+    fields : mapping
+        As `read_study` gives them; ``models`` is needed.
+    memory_limit_mib, threads, jobs : int, optional
+        By default three quarters of the machine's memory and all processors, shared by the jobs; one job.
+
+    Raises
+    ------
+    UnknownName, InputError
+    """
+    given: dict[str, Any] = {
+        k: tuple(v) if isinstance(v, list) else v for k, v in fields.items() if k in _DIRECT
+    }
+    jobs = 1 if jobs is None else jobs
+    share = max(1, jobs)
+    memory = physical_memory_mib() * 3 // 4 // share if memory_limit_mib is None else memory_limit_mib
+    plan = Plan(
+        **given,
+        variants=variants(fields.get("methods"), fields.get("settings", {})),
+        metrics=choose_metrics(tuple(fields.get("metrics", ()))),
+        perturbations=perturbations(fields.get("perturbations", {})),
+        memory_limit_mib=memory,
+        threads=max(1, thread_count() // share) if threads is None else threads,
+        jobs=jobs,
+    )
+    plan.check()
+    return plan
 
 
 def variants(methods: list[str] | None, settings: Mapping[str, Mapping[str, Any]]) -> tuple[Variant, ...]:
@@ -125,8 +167,9 @@ def _parse(name_or_path: str) -> dict[str, Any]:
 
 
 def _grid(method: str, settings: Mapping[str, Any]) -> list[Variant]:
-    axes = [[(name, v) for v in (value if isinstance(value, list) else [value])] for name, value in settings.items()]
-    combinations = [dict(point) for point in product(*axes)]
+    """One variant per combination of the settings' values."""
+    lists = [value if isinstance(value, list) else [value] for value in settings.values()]
+    combinations = [dict(zip(settings, point, strict=True)) for point in product(*lists)]
     for chosen in combinations:
         check_settings(method, chosen)
     return [Variant(method, chosen) for chosen in combinations]
