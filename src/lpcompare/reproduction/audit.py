@@ -1,6 +1,6 @@
 """The paper's statements held against the measurements: one function per statement.
 
-A function is given the tables and a model's name; it returns None where the tables say nothing about that model.
+A function is given the tables and a model's name, and returns None where they say nothing about that model.
 """
 
 from __future__ import annotations
@@ -65,8 +65,8 @@ def proportionality(tables: Tables, model: str) -> Finding | None:
     return Finding(
         "With k = 1/PR the programme finds a subset of proportional density (eqs. 14-20).",
         "refuted" if farthest == clusters else "not confirmed",
-        f"In {farthest:.0f} of {clusters:.0f} clusters over the three rates the proven optimum is the nr points"
-        f" farthest from the centroid; the largest Z is {values(rows, 'largest_residual').max():.2f} of the"
+        f"In {farthest:.0f} of {clusters:.0f} clusters over the three rates the proven optimum is the nr"
+        f" points farthest from the centroid; the largest Z is {values(rows, 'largest_residual').max():.2f} of the"
         " cluster's density."
         " No subset reaches the target, so rims survive and centres empty.",
         "programme.csv",
@@ -154,10 +154,10 @@ def more_clusters(tables: Tables, model: str) -> Finding | None:
     falling, rising, curves = 0, 0, 0
     for key in sorted({(r["reading"], r["retention"], r["reduction"]) for r in rows}):
         curve = where(rows, **dict(zip(("reading", "retention", "reduction"), key, strict=True)))
-        result = spearmanr([int(r["n_clusters"]) for r in curve], values(curve, "plane_error_k8_pct"))
+        rho, p = spearmanr(values(curve, "n_clusters"), values(curve, "plane_error_k8_pct"))
         curves += 1
-        falling += bool(result.pvalue < 0.05 and result.statistic < 0)
-        rising += bool(result.pvalue < 0.05 and result.statistic > 0)
+        falling += bool(p < 0.05 and rho < 0)
+        rising += bool(p < 0.05 and rho > 0)
     ratios = _end_ratio(rows)
     return Finding(
         "The error tends to decrease when the number of clusters increases.",

@@ -77,7 +77,8 @@ def _size_note(paper: dict[str, Any] | None, n_points: int) -> str:
         return "; not one of the paper's models"
     if paper["points"] == n_points:
         return ", as in the paper"
-    return f"; the paper's copy of {paper['title']} has {paper['points']:,}, so this is another mesh of the same shape"
+    there = f"the paper's copy of {paper['title']} has {paper['points']:,}"
+    return f"; {there}, so this is another mesh of the same shape"
 
 
 def pictures(model: str) -> list[tuple[str, str]]:
@@ -90,9 +91,15 @@ def pictures(model: str) -> list[tuple[str, str]]:
             "Figs. 6 and 7: original, and 70, 80 and 90 % removed by the printed programme with all features kept"
             " (K = 20); triangulated by ball pivoting, shaded and wireframe.",
         ),
-        (f"{model}-holes.png", "At 90 %, equal counts: the printed programme, the density reading, lp_uniform."),
+        (
+            f"{model}-holes.png",
+            "At 90 %, equal counts: the printed programme, the density reading, lp_uniform.",
+        ),
         (f"{model}-fig8-seconds.png", "Fig. 8: seconds per stage against the number of clusters."),
-        (f"{model}-fig9-errors.png", "Fig. 9: eq. 27 error (8 neighbours) against the number of clusters; bands: seeds."),
+        (
+            f"{model}-fig9-errors.png",
+            "Fig. 9: eq. 27 error (8 neighbours) against the number of clusters; the bands span the seeds.",
+        ),
     ]
 
 
@@ -100,7 +107,8 @@ def _audit_part(tables: Tables, model: str) -> Iterator[str]:
     yield "### The paper's statements"
     yield ""
     for finding in audit(tables, model):
-        yield f"- *{finding.statement}* **{finding.verdict.capitalize()}.** {finding.evidence} ([{finding.file}]({finding.file}))"
+        verdict, file = finding.verdict.capitalize(), finding.file
+        yield f"- *{finding.statement}* **{verdict}.** {finding.evidence} ([{file}]({file}))"
     yield ""
 
 
@@ -109,7 +117,8 @@ def _table_one(rows: Rows, paper: dict[str, Any] | None) -> Iterator[str]:
     clusters = distinct(rows, "n_clusters")
     yield "### Table I: seconds per stage"
     yield ""
-    yield "Median of the repeats; in brackets the paper's seconds and the paper's over ours. ([seconds.csv](seconds.csv))"
+    yield "Median of the repeats; in brackets the paper's seconds, and how many times ours go into them."
+    yield "([seconds.csv](seconds.csv))"
     yield ""
     yield "| removed | stage | " + " | ".join(f"K = {k}" for k in clusters) + " |"
     yield "|---|---|" + "---|" * len(clusters)
@@ -120,7 +129,7 @@ def _table_one(rows: Rows, paper: dict[str, Any] | None) -> Iterator[str]:
             theirs = paper["seconds"][rate][stage] if paper else [None] * len(clusters)
             yield _cells(f"{float(rate):.0%}", title, ours, theirs)
         ours = [sum(_median(rows, f"{s}_s", k, rate) for s in STAGES) for k in clusters]
-        theirs = [sum(t) for t in zip(*paper["seconds"][rate].values(), strict=True)] if paper else [None] * len(ours)
+        theirs = _totals(paper["seconds"][rate]) if paper else [None] * len(ours)
         yield _cells(f"{float(rate):.0%}", "**all**", ours, theirs)
         totals += [t / o for t, o in zip(theirs, ours, strict=True) if t is not None]
     yield ""
@@ -129,15 +138,18 @@ def _table_one(rows: Rows, paper: dict[str, Any] | None) -> Iterator[str]:
         yield ""
 
 
+def _totals(stages: dict[str, list[float]]) -> list[float]:
+    return [sum(cell) for cell in zip(*stages.values(), strict=True)]
+
+
 def _median(rows: Rows, column: str, n_clusters: str, reduction: str) -> float:
     cell = sorted(values(rows, column, n_clusters=n_clusters, reduction=reduction))
     return float(cell[len(cell) // 2])
 
 
 def _cells(rate: str, title: str, ours: Sequence[float], theirs: Sequence[float | None]) -> str:
-    cells = [
-        f"{o:.3f}" if t is None else f"{o:.3f} ({t:.1f}, {t / o:.0f}x)" for o, t in zip(ours, theirs, strict=True)
-    ]
+    pairs = zip(ours, theirs, strict=True)
+    cells = [f"{o:.3f}" if t is None else f"{o:.3f} ({t:.1f}, {t / o:.0f}x)" for o, t in pairs]
     return f"| {rate} | {title} | " + " | ".join(cells) + " |"
 
 
