@@ -40,9 +40,11 @@ def test_relative_values_do_not_change_under_rigid_motion_and_scale(name, sphere
     other = Comparison(moved, moved[::4])
     before, after = METRICS.get(name)(still), METRICS.get(name)(other)
     for key, column in METRICS.module(name).COLUMNS.items():
-        factor = {"% of diagonal": 4.0 * still.diagonal / other.diagonal, "model units": 4.0}.get(
-            column.unit, 1.0
-        )
+        factor = {
+            "% of diagonal": 4.0 * still.diagonal / other.diagonal,
+            "model units": 4.0,
+            "square model units": 16.0,
+        }.get(column.unit, 1.0)
         assert after[key] == pytest.approx(before[key] * factor, rel=0.02, abs=1e-9), key
 
 

@@ -1,0 +1,83 @@
+"""One search for the radius or the cell size at which a rival returns the count asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import exp, log
+
+import numpy as np
+
+from lpcompare.geometry.scale import bounding_box_diagonal
+from lpcompare.types import Points
+
+_NARROWEST = 1e-7
+"""Relative width at which a bracket is closed; MeshLab stores lengths as float32."""
+
+_Probe = tuple[float, int]
+
+
+def search_size(
+    count: Callable[[float], int],
+    target_count: int,
+    start: float,
+    *,
+    tolerance: int = 0,
+    max_calls: int = 40,
+) -> float:
+    """Size whose count is nearest to the target: a bracketing secant on the log-log scale.
+
+    Parameters
+    ----------
+    count : callable
+        Points that a size gives: fewer for a larger size, but for small steps the wrong way.
+    target_count : int
+    start : float
+        The first size tried, positive.
+    tolerance : int, optional
+        Points beside the target that are near enough.
+    max_calls : int, optional
+        Calls of ``count`` after which the nearest size so far is returned.
+
+    Returns
+    -------
+    float
+        The same one whenever ``count`` gives the same counts.
+    """
+    lower: _Probe | None = None
+    upper: _Probe | None = None
+    nearest: tuple[int, float] | None = None
+    x = log(start)
+    for call in range(max_calls):
+        n = count(exp(x))
+        nearest = min(nearest or (abs(n - target_count), x), (abs(n - target_count), x))
+        if nearest[0] <= tolerance:
+            break
+        lower, upper = ((x, n), upper) if n > target_count else (lower, (x, n))
+        if lower and upper and upper[0] - lower[0] < _NARROWEST:
+            break
+        x = _next(lower, upper, target_count, call)
+    assert nearest is not None
+    return exp(nearest[1])
+
+
+def _next(lower: _Probe | None, upper: _Probe | None, target_count: int, call: int) -> float:
+    """Log of the next size: outwards until the target is bracketed, then the secant and at times the middle."""
+    if lower and upper:
+        share = log(lower[1] / target_count) / log(lower[1] / max(upper[1], 0.5))
+        share = 0.5 if call % 3 == 2 else min(max(share, 0.02), 0.98)
+        return lower[0] + share * (upper[0] - lower[0])
+    x, n = lower or upper or (0.0, target_count)
+    # on a surface the count falls with the square of the size; a little more, so that the target is passed
+    step = 0.6 * log(max(n, 0.5) / target_count)
+    return x + step + (0.02 if n > target_count else -0.02)
+
+
+def surface_spacing(points: Points, target_count: int) -> float:
+    """A first guess at the size: the side of a square when half the bounding box's surface is shared out.
+
+    A cloud without extent gives 1.
+    """
+    x, y, z = np.ptp(points, axis=0)
+    area = x * y + y * z + z * x
+    spacing = float(np.sqrt(area / target_count)) or bounding_box_diagonal(points) / target_count
+    return spacing or 1.0

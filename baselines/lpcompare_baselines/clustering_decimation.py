@@ -1,0 +1,59 @@
+"""Clustering decimation by MeshLab: each grid cell's points become their mean.
+
+Rossignac and Borrel: a regular grid is laid over the cloud and every occupied cell becomes one point. The
+faces, if the cloud has any, are not used, so that the method stands with those on points alone.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from lpcompare.geometry.scale import bounding_box_center
+from lpcompare.types import Points, Simplification, Traits
+from lpcompare_baselines._calibration import search_size, surface_spacing
+from lpcompare_baselines._cells import meshlab_cells, n_occupied
+from lpcompare_baselines._meshlab import check, mesh_set, ml
+
+TRAITS = Traits(
+    wraps="pymeshlab meshing_decimation_clustering",
+    source="Rossignac and Borrel, Multi-resolution 3D approximations for rendering complex scenes, 1993",
+    licence="GPL-3.0",
+    moves_points=True,
+    keeps_attributes=False,
+    exact_count=False,
+)
+
+
+def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) -> dict[str, float]:
+    """Cell size, in model units, with the number of occupied cells nearest to ``target_count``."""
+    check(points, target_count)
+    start = surface_spacing(points, target_count)
+    return {"cell_size": search_size(lambda c: n_occupied(meshlab_cells(points, c)), target_count, start)}
+
+
+def clustering_decimation(
+    points: Points, target_count: int, *, rng: np.random.Generator, cell_size: float | None = None
+) -> Simplification:
+    """Replace the points of each cell by their mean.
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, 3)
+    target_count : int
+        From 1 to n.
+    rng : numpy.random.Generator
+        Not used: the method is deterministic.
+    cell_size : float, optional
+        Edge of a cell in model units; by default the one that `calibrate` finds.
+
+    Returns
+    -------
+    Simplification
+        New points, as many as cells are occupied.
+    """
+    check(points, target_count)
+    if cell_size is None:
+        cell_size = calibrate(points, target_count, rng=rng)["cell_size"]
+    meshes = mesh_set(points)
+    meshes.meshing_decimation_clustering(threshold=ml.PureValue(cell_size))
+    return Simplification(meshes.current_mesh().vertex_matrix() + bounding_box_center(points))

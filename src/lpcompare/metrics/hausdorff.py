@@ -1,0 +1,39 @@
+"""Hausdorff distance between the clouds: how far a point can be from the other cloud, each way and both.
+
+Directed distances as in Cignoni, Rocchini and Scopigno, Metro, Computer Graphics Forum 17(2), 1998, between
+points rather than surfaces. For a subset the way back is zero.
+"""
+
+from __future__ import annotations
+
+from lpcompare.comparison import Comparison
+from lpcompare.types import Column
+
+COLUMNS = {
+    "hausdorff_pct": Column("% of diagonal", "Hausdorff distance, the larger of both ways", sides="both"),
+    "hausdorff_forward_pct": Column("% of diagonal", "Largest distance of an original to the reduced cloud"),
+    "hausdorff_backward_pct": Column(
+        "% of diagonal", "Largest distance of a reduced point to the original", sides="reduced to original"
+    ),
+}
+
+
+def hausdorff(comparison: Comparison) -> dict[str, float]:
+    """Largest nearest-neighbour distance, one way, the other and either.
+
+    Parameters
+    ----------
+    comparison : Comparison
+
+    Returns
+    -------
+    dict of str to float
+        One value per entry of ``COLUMNS``.
+    """
+    forward = comparison.percent(float(comparison.forward_distances.max()))
+    backward = comparison.percent(float(comparison.backward_distances.max()))
+    return {
+        "hausdorff_pct": max(forward, backward),
+        "hausdorff_forward_pct": forward,
+        "hausdorff_backward_pct": backward,
+    }

@@ -1,0 +1,51 @@
+"""What `import lpcompare` costs and offers."""
+
+import subprocess
+import sys
+
+import pytest
+
+import lpcompare
+
+HEAVY = (
+    "numpy",
+    "scipy",
+    "sklearn",
+    "cvxpy",
+    "highspy",
+    "pymeshlab",
+    "fast_simplification",
+    "typer",
+    "plotly",
+)
+
+
+def run_python(code):
+    return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+
+
+def test_import_loads_no_library():
+    code = "import lpcompare, sys; print(*sys.modules)"
+    assert not set(HEAVY) & set(run_python(code).split())
+
+
+def test_listing_the_methods_loads_no_rival():
+    code = (
+        "import sys; from lpcompare.registry import METHODS\n"
+        "for n in METHODS: METHODS.summary(n), METHODS.traits(n), METHODS.missing(n)\n"
+        "print(*sys.modules)"
+    )
+    loaded = set(run_python(code).split())
+    assert not {"pymeshlab", "fast_simplification", "cvxpy", "sklearn"} & loaded
+    assert not any(m.startswith("lpcompare_baselines.") for m in loaded)
+
+
+def test_every_public_name_can_be_had():
+    for name in lpcompare.__all__:
+        assert getattr(lpcompare, name).__doc__
+    assert dir(lpcompare) == sorted(lpcompare.__all__)
+
+
+def test_unknown_attribute_is_an_attribute_error():
+    with pytest.raises(AttributeError, match="nosuch"):
+        lpcompare.nosuch  # noqa: B018
