@@ -32,6 +32,7 @@ COUNT_SEEDS = 10
 CURVE_SEEDS = 3
 PICTURED_CLUSTERS = 20
 COMPARED = ("lp_printed", "lp_density", "lp_uniform", "random_sample")
+UNITS = (2.0**-12, 2.0**-6, 2.0**6, 2.0**11)
 NOISE = (0.25, 0.5, 1.0)
 OUTLIERS = (0.01, 0.02, 0.05)
 
@@ -135,8 +136,8 @@ def _programme(lab: Lab, case: Row) -> Row:
         "random_state": 0,
     }
     simplifier = LPSimplifier(**settings).fit(points)
-    enlarged = LPSimplifier(**settings).fit(1024.0 * points)
-    same = np.intersect1d(simplifier.sample_indices_, enlarged.sample_indices_).size
+    rescaled = [LPSimplifier(**settings).fit(unit * points).sample_indices_ for unit in UNITS]
+    same = min(np.intersect1d(simplifier.sample_indices_, other).size for other in rescaled)
     certificates = simplifier.certificates_
     return {
         "clusters": len(certificates),

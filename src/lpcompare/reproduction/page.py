@@ -45,12 +45,12 @@ def _head(made: dict[str, Any]) -> Iterator[str]:
     yield "# Leal, Leal and Sanchez-Torres (2017), measured again"
     yield ""
     yield "*A Linear Programming Approach for 3D Point Cloud Simplification*, IAENG International Journal of"
-    yield "Computer Science 44:1. Every number and picture on this page comes from the CSV files beside it, made by"
+    yield "Computer Science 44:1. Every number and picture here comes from the CSV files beside it, made by"
     yield ""
     yield f"    {made['command']}"
     yield ""
     yield f"on {made['date']}, commit {made['commit']}, {made['machine']}; {made['versions']}."
-    yield f"The paper's times are from another machine ({published()['machine']}): the ratios hold for these two"
+    yield f"The paper's times are another machine's ({published()['machine']}): the ratios hold for these two"
     yield "machines and programs, not for the algorithms."
     yield from (f"\n**Left out:** {reason}" for reason in made["left_out"])
     yield ""
@@ -88,8 +88,8 @@ def pictures(model: str) -> list[tuple[str, str]]:
         (f"{model}-fig5-curvature.png", "Fig. 5: absolute curvature (eq. 11) and the feature points."),
         (
             f"{model}-fig6-reduced.png",
-            "Figs. 6 and 7: original, and 70, 80 and 90 % removed by the printed programme with all features kept"
-            " (K = 20); triangulated by ball pivoting, shaded and wireframe.",
+            "Figs. 6 and 7: original, and 70, 80 and 90 % removed by the printed programme with all features"
+            " kept (K = 20); triangulated by ball pivoting, shaded and wireframe.",
         ),
         (
             f"{model}-holes.png",
@@ -134,7 +134,7 @@ def _table_one(rows: Rows, paper: dict[str, Any] | None) -> Iterator[str]:
         totals += [t / o for t, o in zip(theirs, ours, strict=True) if t is not None]
     yield ""
     if totals:
-        yield f"All stages together take {span(totals, '.0f')} times less than the paper's, on another machine."
+        yield f"All stages together take {span(totals, '.0f')} times less than the paper's (machines differ)."
         yield ""
 
 
