@@ -154,8 +154,11 @@ def more_clusters(tables: Tables, model: str) -> Finding | None:
     falling, rising, curves = 0, 0, 0
     for key in sorted({(r["reading"], r["retention"], r["reduction"]) for r in rows}):
         curve = where(rows, **dict(zip(("reading", "retention", "reduction"), key, strict=True)))
-        rho, p = map(float, spearmanr(values(curve, "n_clusters"), values(curve, "plane_error_k8_pct")))
         curves += 1
+        errors = values(curve, "plane_error_k8_pct")
+        if not errors.std():
+            continue
+        rho, p = map(float, spearmanr(values(curve, "n_clusters"), errors))
         falling += bool(p < 0.05 and rho < 0)
         rising += bool(p < 0.05 and rho > 0)
     ratios = _end_ratio(rows)
