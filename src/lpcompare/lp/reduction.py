@@ -12,6 +12,7 @@ from lpcompare.lp.budget import allocate_budget, split_budget
 from lpcompare.lp.certificate import Certificate, DensityGoal
 from lpcompare.lp.density import cluster_density, inverse_distance_costs
 from lpcompare.lp.selection import SolverSettings, select
+from lpcompare.lp.start import one_per_stratum
 from lpcompare.types import Indices, Mask, Points, Vector
 
 
@@ -73,7 +74,7 @@ def plan_clusters(
     target_count: int,
     rng: np.random.Generator,
     retention: str = "exact-count",
-    feature_share: float = 0.5,
+    feature_share: float = 0.4,
 ) -> list[ClusterTask]:
     """Share the target among the clusters and decide which feature points stay.
 
@@ -83,14 +84,15 @@ def plan_clusters(
     labels : ndarray of int, shape (n,)
     features : ndarray of bool, shape (n,)
     curvature : ndarray, shape (n,)
-        Absolute curvature; where not all features can stay, the most curved do.
+        Absolute curvature; where not all features can stay, those that do are spread evenly over it.
     target_count : int
         From 1 to n.
     rng : numpy.random.Generator
         One generator per cluster is drawn from it.
     retention : {"exact-count", "keep-features"}
-        "exact-count": ``target_count`` points stay, features among them up to a share. "keep-features": all
-        features stay and the rest is reduced by the rate, as the paper says.
+        "exact-count": ``target_count`` points stay. Features come first up to a share; those beyond it are
+        candidates of the programme like any other point. "keep-features": all features stay and the rest is
+        reduced by the rate, as the paper says.
     feature_share : float
         Largest share of a cluster's budget that features take under "exact-count".
 
@@ -104,19 +106,20 @@ def plan_clusters(
     n_others = sizes - n_features
     if retention == "keep-features":
         total = target_count * int(n_others.sum()) // len(labels)
-        splits = list(zip(n_features, allocate_budget(total, n_others), strict=True))
+        n_kept, n_chosen = n_features, allocate_budget(total, n_others)
     else:
-        budget = allocate_budget(target_count, sizes)
-        splits = [split_budget(*c, feature_share) for c in zip(budget, n_features, n_others, strict=True)]
+        n_kept, n_chosen = split_budget(allocate_budget(target_count, sizes), n_features, feature_share)
     generators = rng.spawn(len(sizes))
     members = np.split(np.argsort(labels, kind="stable"), np.cumsum(sizes)[:-1])
     tasks = []
-    for rows, (n_marked, n_others_kept), generator in zip(members, splits, generators, strict=True):
+    for rows, n_marked, n_programme, generator in zip(members, n_kept, n_chosen, generators, strict=True):
         if len(rows):
-            marked, others = rows[features[rows]], rows[~features[rows]]
-            kept = marked[np.argsort(-curvature[marked], kind="stable")[:n_marked]]
+            marked = rows[features[rows]]
+            marked = marked[np.argsort(curvature[marked], kind="stable")]
+            kept = marked[one_per_stratum(len(marked), int(n_marked), generator)]
+            candidates = np.setdiff1d(rows, kept, assume_unique=True)
             centroid = points[rows].mean(axis=0)
-            tasks.append(ClusterTask(kept, others, int(n_others_kept), centroid, generator))
+            tasks.append(ClusterTask(kept, candidates, int(n_programme), centroid, generator))
     return tasks
 
 
