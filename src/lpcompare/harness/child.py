@@ -77,7 +77,7 @@ def _reply(folder: Path, code: int | None, request: Mapping[str, Any]) -> dict[s
     if reply.pop("finished", False):
         tail = _tail(folder / "stderr.txt") if reply["status"] == "failed" else ""
         return reply | {"message": reply["message"] + tail}
-    stage = (folder / "stage").read_text() if (folder / "stage").exists() else "start"
+    stage = (folder / "stage").read_text() if (folder / "stage").exists() else "the start"
     if code is None:
         limit = f"{request['time_limit_s']:g}"
         return reply | {"status": "timeout", "message": f"Killed in {stage} after {limit} s, the time limit."}

@@ -32,12 +32,16 @@ def warm_up(method: Callable[[PointCloud, int, np.random.Generator], Any], trait
     """Call the method once on a small closed mesh, so that lazy imports and thread pools are not timed.
 
     MeshLab's methods are left out: they draw from one generator per process that cannot be seeded, and give
-    the same points again only after the same calls in a fresh process.
+    the same points again only after the same calls in a fresh process. An error is left to the call itself.
     """
     if library(traits) == _ONE_GENERATOR_PER_PROCESS:
         return
-    with suppress(Exception):
+    try:
         method(torus(), _TARGET, np.random.default_rng(0))
+    except MemoryError:
+        raise
+    except Exception:
+        return
 
 
 def torus() -> PointCloud:

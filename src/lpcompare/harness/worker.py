@@ -119,14 +119,14 @@ def _simplify(request: dict[str, Any], reply: Reply) -> Simplification | None:
     from lpcompare.harness.timing import reference_seconds, timed
     from lpcompare.harness.warmup import load_library, warm_up
 
-    reply.stage("import")
+    reply.stage("the import")
     case, target = Case(request), int(request["target_count"])
     load_library(case.traits)
     case.load()
-    reply.stage("warm-up")
+    reply.stage("the warm-up")
     warm_up(case.call, case.traits)
     before, cloud = load_cloud(Path(request["input"])), load_cloud(Path(request["input"]))
-    reply.stage("calibration")
+    reply.stage("the calibration")
     _, calibration_s = timed(lambda: case.calibrate(cloud, target))
     reference_s = reference_seconds()
     reply.stage("the call")
@@ -155,7 +155,7 @@ def _refine(cloud: PointCloud, result: Simplification, reply: Reply) -> Simplifi
     from lpcompare.harness.timing import timed
     from lpcompare.refinement import refine
 
-    reply.stage("refinement")
+    reply.stage("the refinement")
     indices, seconds = timed(lambda: refine(cloud.points, result.indices))
     reply.fields |= {"refined": True, "runtime_s": reply.fields["runtime_s"] + seconds}
     timings = {**result.timings, "refine": seconds}

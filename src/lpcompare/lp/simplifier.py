@@ -21,7 +21,8 @@ from lpcompare.lp.checks import (
 from lpcompare.lp.clustering import Mixture, cluster_points
 from lpcompare.lp.curvature import estimate_curvature
 from lpcompare.lp.features import feature_mask
-from lpcompare.lp.reduction import Programme, plan_clusters, reduce_clusters
+from lpcompare.lp.reduction import Reading, plan_clusters, reduce_clusters
+from lpcompare.lp.selection import SolverSettings
 from lpcompare.types import Points, Simplification
 
 METHODS = ("lp_density", "lp_printed")
@@ -86,8 +87,8 @@ class LPSimplifier(BaseEstimator):
     target_reduction, target_count : float, int
         Share removed or points kept; exactly one of the two.
     method : {"lp_density", "lp_printed"}
-        "lp_density" keeps each cluster's mean inverse distance (eq. 14 with k = 1); "lp_printed" is eqs. 12-26
-        as they stand, with k = 1 / PR.
+        "lp_density" keeps each cluster's mean inverse distance (eq. 14 with k = 1); "lp_printed" is
+        eqs. 12-26 as they stand, with k = 1 / PR.
     n_clusters : int
         Components of the mixture; cut to the number of distinct points.
     n_neighbors : int
@@ -130,7 +131,8 @@ class LPSimplifier(BaseEstimator):
 
     References
     ----------
-    E. Leal, N. Leal, G. Sanchez-Torres, A Linear Programming Approach for 3D Point Cloud Simplification, 2017.
+    E. Leal, N. Leal, G. Sanchez-Torres, A Linear Programming Approach for 3D Point Cloud Simplification,
+    2017.
     """
 
     def __init__(
@@ -197,13 +199,18 @@ class LPSimplifier(BaseEstimator):
             mixture.labels,
             features,
             curvature.absolute,
-            target_count,
-            rng,
+            target_count=target_count,
+            rng=rng,
             retention=self.retention,
             feature_share=self.feature_share,
         )
-        programme = Programme(self.method, self.density, self.solver, self.time_limit, self.gap)
-        indices, certificates = reduce_clusters(cloud, tasks, programme, scale=scale, progress=progress)
+        indices, certificates = reduce_clusters(
+            cloud,
+            tasks,
+            Reading(self.method, self.density, scale),
+            SolverSettings(check_solver(self.solver), self.time_limit, self.gap),
+            progress,
+        )
 
         self.timings_ = clock.stop()
         self.labels_, self.mixture_ = mixture.labels, mixture.in_units(center, scale)

@@ -43,7 +43,7 @@ def _strata(n_points: int, n_keep: int, rng: np.random.Generator) -> Indices:
 def _shifted(ordered: Vector, ranks: Indices, target: float) -> Indices:
     """Swap the first (or last) chosen ranks for the cheapest (dearest) ones until the target is passed.
 
-    The first t of the cheapest ranks and the chosen ranks after the t-th are distinct, so each step is a choice.
+    The first t of the cheapest ranks and the chosen ranks after the t-th are distinct: each step is a choice.
     """
     n_keep = len(ranks)
     missing = target * n_keep - float(ordered[ranks].sum())

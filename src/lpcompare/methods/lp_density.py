@@ -15,7 +15,7 @@ from lpcompare.types import Points, Simplification, Traits
 
 TRAITS = Traits(
     wraps="lpcompare (cvxpy, HiGHS)",
-    source="Leal, Leal, Sanchez-Torres, A Linear Programming Approach for 3D Point Cloud Simplification, 2017",
+    source="Leal and others, A Linear Programming Approach for 3D Point Cloud Simplification, 2017",
 )
 
 
