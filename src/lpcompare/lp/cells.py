@@ -118,7 +118,12 @@ def _centroids(
 def _bisect(points: Points, weights: Vector, n_cells: int) -> Indices:
     """Cell of every point: all parts of one level are halved at once, each along its principal axis."""
     cells = np.empty(len(points), dtype=np.intp)
-    rows, starts, counts, firsts = np.arange(len(points)), np.zeros(1, int), np.array([n_cells]), np.zeros(1, int)
+    rows, starts, counts, firsts = (
+        np.arange(len(points)),
+        np.zeros(1, int),
+        np.array([n_cells]),
+        np.zeros(1, int),
+    )
     while len(rows):
         sizes = np.diff(starts, append=len(rows))
         single = counts == 1
@@ -145,7 +150,9 @@ def _sort_along_axes(points: Points, rows: Indices, starts: Indices, sizes: Indi
     covariances = np.empty((len(sizes), 3, 3))
     for i in range(3):
         for j in range(i + 1):
-            covariances[:, i, j] = covariances[:, j, i] = np.add.reduceat(offsets[:, i] * offsets[:, j], starts)
+            covariances[:, i, j] = covariances[:, j, i] = np.add.reduceat(
+                offsets[:, i] * offsets[:, j], starts
+            )
     axes = np.linalg.eigh(covariances)[1][:, :, 2]
     # the sign of an eigenvector is arbitrary: make its largest component positive
     largest = np.take_along_axis(axes, np.abs(axes).argmax(axis=1)[:, None], axis=1)
