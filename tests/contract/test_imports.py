@@ -13,7 +13,7 @@ ALLOWED = {
     "geometry": CORE,
     "mesh_library": CORE,
     "io": CORE | {"mesh_library"},
-    "lp": CORE | {"geometry"},
+    "lp": CORE | {"geometry", "refinement"},
     "refinement": CORE | {"geometry"},
     "methods": CORE | {"geometry", "lp", "refinement"},
     "baselines": CORE | {"mesh_library", "geometry"},

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -18,6 +17,7 @@ from lpcompare.lp.checks import (
     check_solver,
     check_target,
 )
+from lpcompare.lp.clock import Callback, StageClock
 from lpcompare.lp.clustering import Mixture, cluster_points
 from lpcompare.lp.curvature import estimate_curvature
 from lpcompare.lp.features import feature_mask
@@ -26,8 +26,6 @@ from lpcompare.lp.selection import SolverSettings
 from lpcompare.types import Points, Simplification
 
 METHODS = ("lp_density", "lp_printed")
-
-Callback = Callable[[str, int, int], None]
 
 
 def simplify(
@@ -188,7 +186,7 @@ class LPSimplifier(BaseEstimator):
         self._check_settings()
         rng = np.random.default_rng(self.random_state)
         cloud, center, scale = normalize(points)
-        clock = _Clock(self.callback)
+        clock = StageClock(self.callback)
 
         mixture = self._cluster(cloud, rng, clock.stage("clustering"))
         curvature = estimate_curvature(cloud, self.n_neighbors, clock.stage("curvature"))
@@ -260,25 +258,3 @@ class LPSimplifier(BaseEstimator):
             "largest_residual": max(c.residual for c in self.certificates_),
         }
         return Simplification(points[self.sample_indices_], self.sample_indices_, self.timings_, info)
-
-
-class _Clock:
-    """Seconds per stage, and the callback's view of it."""
-
-    def __init__(self, callback: Callback | None) -> None:
-        self._callback = callback
-        self._timings: dict[str, float] = {}
-        self._stage, self._began = "", perf_counter()
-
-    def stage(self, name: str) -> Callable[[int, int], None]:
-        """End the running stage, begin the next, and return what reports its progress."""
-        self.stop()
-        self._stage, self._began = name, perf_counter()
-        return lambda done, total: self._callback(name, done, total) if self._callback else None
-
-    def stop(self) -> dict[str, float]:
-        """Seconds of every stage that has ended."""
-        if self._stage:
-            self._timings[self._stage] = perf_counter() - self._began
-            self._stage = ""
-        return dict(self._timings)
