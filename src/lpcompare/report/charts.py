@@ -9,6 +9,7 @@ from typing import Any
 from lpcompare.report.cells import Cell, distinct, pareto_front
 from lpcompare.report.columns import ERROR, RUNTIME, Heading, metric_keys
 from lpcompare.report.styles import method_styles
+from lpcompare.report.table import BASELINE
 
 
 def collect_charts(cells: Sequence[Cell], known: Mapping[str, Heading], reference: str) -> dict[str, Any]:
@@ -44,7 +45,9 @@ def collect_charts(cells: Sequence[Cell], known: Mapping[str, Heading], referenc
 
 
 def choose_reference(cells: Sequence[Cell]) -> str:
-    """The fastest method that has a result everywhere: the cheapest answer is what others are measured by."""
+    """The baseline of the printed tables where the run holds it, else the fastest of the methods that ended most."""
+    if any(cell.ok and cell.method == BASELINE for cell in cells):
+        return BASELINE
     good = [cell for cell in cells if cell.ok and RUNTIME in cell.values]
     if not good:
         return ""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Mapping, Sequence
 from importlib.resources import files
@@ -36,7 +37,7 @@ def write_page(run_folder: str | Path, out: Path | None = None, *, reference: st
     out : Path, optional
         The file to write; ``report.html`` in the run's folder by default.
     reference : str
-        The method that ratios are taken to; the fastest one by default.
+        The method that ratios are taken to; by default that of the printed tables.
 
     Returns
     -------
@@ -86,7 +87,7 @@ def page_context(run: Run, reference: str = "") -> dict[str, Any]:
     return {
         "title": _title(cells),
         "run": run,
-        "cells": cells,
+        "cells": sorted(cells, key=_by_error),
         "headings": known,
         "main_columns": [key for key in MAIN_COLUMNS if key in known],
         "models": distinct(cells, "model"),
@@ -108,6 +109,11 @@ def _title(cells: Sequence[Cell]) -> str:
     if not models:
         return "An empty run"
     return models[0] if len(models) == 1 else f"{models[0]} and {len(models) - 1} more"
+
+
+def _by_error(cell: Cell) -> tuple[bool, str, float, float]:
+    """Models and reductions together, lowest error first, cells without a result last."""
+    return not cell.ok, cell.model, cell.reduction, cell.values[ERROR].median if ERROR in cell.values else math.inf
 
 
 def _settings(cells: Sequence[Cell]) -> dict[str, list[tuple[str, str, Mapping[str, Any]]]]:

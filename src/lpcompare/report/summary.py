@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 
 from lpcompare.report.cells import Cell, distinct, pareto_front
@@ -172,10 +173,21 @@ def _other_metrics(good: Sequence[Cell]) -> Iterator[str]:
     for key in metric_keys(known):
         ranking = rank_over_cells(good, known[key])
         if known[key].better and ranking.methods and ranking.methods[0] != first.methods[0]:
-            dissent.setdefault(ranking.methods[0], []).append(known[key].title)
-    for method, titles in sorted(dissent.items(), key=lambda item: -len(item[1]))[:2]:
-        shown = listing(titles[:_LONGEST_LIST]) if len(titles) <= _LONGEST_LIST else f"{len(titles)} other measures"
-        yield f"Not every measure agrees: {method} is the best by {shown}."
+            dissent.setdefault(ranking.methods[0], []).append(_short_title(known[key].title))
+    told = [f"{m} is best by {_titles(titles)}" for m, titles in sorted(dissent.items(), key=lambda d: -len(d[1]))]
+    if told:
+        yield f"Not every measure agrees: {'; '.join(told)}."
+
+
+def _short_title(title: str) -> str:
+    """A column's title up to its first comma or colon, inside a sentence."""
+    short = re.split(r"[,:]", title)[0]
+    return short[0].lower() + short[1:]
+
+
+def _titles(titles: Sequence[str]) -> str:
+    titles = list(dict.fromkeys(titles))
+    return listing(titles) if len(titles) <= _LONGEST_LIST else count(len(titles), "other measure")
 
 
 def _ranks(good: Sequence[Cell]) -> Iterator[str]:

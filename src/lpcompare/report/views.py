@@ -180,12 +180,14 @@ def _marks(arrays: Mapping[str, NDArray[Any]], shown: NDArray[np.intp]) -> dict[
 
 
 def _common_scales(results: Sequence[Mapping[str, Any]]) -> dict[str, float]:
-    """Reduction -> the error at the top of the colour scale: the largest 99th percentile of its results."""
-    scales: dict[str, float] = {}
+    """Reduction -> the error at the top of the colour scale: the median of its results' 99th percentiles.
+
+    The largest of them would leave no colour to the others where one method is far off.
+    """
+    highs: dict[str, list[float]] = {}
     for result in results:
-        key = f"{result['reduction']:g}"
-        scales[key] = max(scales.get(key, 0.0), result["high"])
-    return scales
+        highs.setdefault(f"{result['reduction']:g}", []).append(result["high"])
+    return {reduction: float(np.median(found)) for reduction, found in highs.items()}
 
 
 def up_axis(points: Points) -> str:

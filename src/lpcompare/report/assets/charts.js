@@ -3,6 +3,7 @@
 
 const SYMBOLS = { circle: "●", square: "■", diamond: "◆", "triangle-up": "▲", "triangle-down": "▼", cross: "✚", x: "✖" };
 let charts = null;
+const STAGE_COLOURS = ["#3b528b", "#5ec962", "#21918c", "#fde725", "#440154", "#b5367a"];
 const hiddenMethods = new Set();
 
 function chosen(id) {
@@ -63,11 +64,22 @@ function frontCurves(measure) {
   });
 }
 
-// Logarithmic where every value allows it; ticks at 1, 2 and 5.
+// 1, 2 and 5 of every decade, or the powers of ten alone where that would be too many.
+function logTicks(values) {
+  const [low, high] = [Math.log10(Math.min(...values)), Math.log10(Math.max(...values))];
+  const digits = high - low > 2 ? [1] : [1, 2, 5];
+  const ticks = [];
+  for (let decade = Math.floor(low) - 1; decade <= high + 1; decade++) ticks.push(...digits.map((d) => Number(`${d}e${decade}`)));
+  return ticks;
+}
+
+// Logarithmic where every value allows it.
 function axis(title, values) {
-  const log = values.length > 0 && values.every((value) => value > 0);
-  const axisLine = { gridcolor: themeColour("--line"), zerolinecolor: themeColour("--line"), automargin: true };
-  return { ...axisLine, title: { text: title, standoff: 8 }, type: log ? "log" : "linear", ...(log ? { dtick: "D2", minor: { dtick: "D1" } } : {}) };
+  const lines = { gridcolor: themeColour("--line"), zerolinecolor: themeColour("--line"), automargin: true };
+  const base = { ...lines, title: { text: title, standoff: 8 } };
+  if (!values.length || values.some((value) => value <= 0)) return base;
+  const ticks = logTicks(values);
+  return { ...base, type: "log", tickvals: ticks, ticktext: ticks.map((tick) => tick.toLocaleString("en", { maximumSignificantDigits: 2 })) };
 }
 
 function draw(id, traces, layout) {
@@ -130,10 +142,9 @@ function drawStages() {
     .sort((a, b) => b.values.runtime_s[0] - a.values.runtime_s[0])
     .map((cell) => ({ method: escapeText(cell.method), stages: stageSeconds(cell) }));
   const stages = [...new Set(rows.flatMap((row) => Object.keys(row.stages)))];
-  const colours = Object.values(charts.methods).map((style) => style.color);
   const traces = stages.map((stage, i) => ({
     type: "bar", orientation: "h", name: escapeText(stage), y: rows.map((row) => row.method), x: rows.map((row) => row.stages[stage] ?? 0),
-    marker: { color: stage.startsWith("the ") ? themeColour("--quiet") : colours[i % colours.length] },
+    marker: { color: stage.startsWith("the ") ? themeColour("--quiet") : STAGE_COLOURS[i % STAGE_COLOURS.length] },
     hovertemplate: "<b>%{y}</b>, %{fullData.name}<br>%{x:.3~g} s<extra></extra>",
   }));
   return draw("chart-stages", traces, {

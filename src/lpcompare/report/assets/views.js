@@ -148,7 +148,7 @@ function makePanel(result) {
 }
 
 async function drawScene(scene) {
-  const config = { displayModeBar: false, responsive: true, scrollZoom: true };
+  const config = { displayModeBar: false, responsive: true, scrollZoom: true, plotGlPixelRatio: devicePixelRatio };
   await Plotly.react(scene, traces(scene.result), sceneLayout(), config);
   if (scene.linked) return;
   scene.linked = true;
