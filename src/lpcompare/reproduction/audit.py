@@ -156,7 +156,7 @@ def more_clusters(tables: Tables, model: str) -> Finding | None:
         curve = where(rows, **dict(zip(("reading", "retention", "reduction"), key, strict=True)))
         curves += 1
         errors = values(curve, "plane_error_k8_pct")
-        if not errors.std():
+        if np.allclose(errors, errors[0]):
             continue
         rho, p = map(float, spearmanr(values(curve, "n_clusters"), errors))
         falling += bool(p < 0.05 and rho < 0)
