@@ -127,17 +127,21 @@ def _simplify(request: dict[str, Any], reply: Reply) -> Simplification | None:
     warm_up(case.call, case.traits)
     before, cloud = load_cloud(Path(request["input"])), load_cloud(Path(request["input"]))
     reply.stage("the calibration")
-    _, calibration_s = timed(lambda: case.calibrate(cloud, target))
-    reference_s = reference_seconds()
+    _, search = timed(lambda: case.calibrate(cloud, target))
+    before_call = reference_seconds()
     reply.stage("the call")
-    result, runtime_s = timed(lambda: case.call(cloud, target, case.generator()))
+    result, seconds = timed(lambda: case.call(cloud, target, case.generator()))
+    peak = peak_memory_mib()
+    after_call = reference_seconds()
     reply.stage("the check of the result")
     wrong = fault(result, before, cloud, target, case.traits)
     reply.fields |= {
-        "runtime_s": runtime_s,
-        "calibration_s": calibration_s if hasattr(case.module, "calibrate") else None,
-        "reference_s": reference_s,
-        "peak_memory_mib": peak_memory_mib(),
+        "runtime_s": seconds.wall,
+        "cpu_s": seconds.cpu,
+        "calibration_s": search.wall if hasattr(case.module, "calibrate") else None,
+        "reference_s": (before_call.wall + after_call.wall) / 2,
+        "reference_cpu_s": (before_call.cpu + after_call.cpu) / 2,
+        "peak_memory_mib": peak,
         "settings": case.effective_settings(),
         "needs_mesh": case.traits.needs_mesh,
     }
@@ -157,8 +161,9 @@ def _refine(cloud: PointCloud, result: Simplification, rows: Indices, reply: Rep
 
     reply.stage("the refinement")
     indices, seconds = timed(lambda: refine(cloud.points, rows))
-    reply.fields |= {"refined": True, "runtime_s": reply.fields["runtime_s"] + seconds}
-    timings = {**result.timings, "refine": seconds}
+    reply.fields |= {"refined": True, "runtime_s": reply.fields["runtime_s"] + seconds.wall}
+    reply.fields["cpu_s"] += seconds.cpu
+    timings = {**result.timings, "refine": seconds.wall}
     return Simplification(cloud.points[indices], indices, timings, result.info)
 
 
