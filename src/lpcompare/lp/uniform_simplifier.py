@@ -32,7 +32,7 @@ def simplify_uniformly(
     n_neighbors: int = 20,
     n_rounds: int = 12,
     density_tolerance: float = 0.01,
-    gap: float = 1e-3,
+    gap: float = 5e-3,
     time_limit: float = 10.0,
     random_state: int | np.random.Generator | None = 0,
     callback: Callback | None = None,

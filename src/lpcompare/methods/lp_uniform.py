@@ -27,7 +27,7 @@ def lp_uniform(
     n_neighbors: int = 20,
     n_rounds: int = 12,
     density_tolerance: float = 0.01,
-    gap: float = 1e-3,
+    gap: float = 5e-3,
     time_limit: float = 10.0,
 ) -> Simplification:
     """Keep ``target_count`` of the points; the settings are those of `simplify_uniformly`.
