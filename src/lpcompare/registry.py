@@ -107,7 +107,14 @@ class Registry:
 
     def source(self, name: str) -> bytes:
         """The source text of a plug-in's file."""
-        return self._path(name).read_bytes()
+        return self.path(name).read_bytes()
+
+    def path(self, name: str) -> Path:
+        """The file of a plug-in, found without importing it."""
+        spec = find_spec(self._dotted(name))
+        if spec is None or spec.origin is None:
+            raise Unavailable(f"The file of {self.kind} {name!r} cannot be found; reinstall its package.")
+        return Path(spec.origin)
 
     def settings(self, name: str) -> dict[str, Any]:
         """Import a plug-in and return its settings with their defaults, read from the signature."""
@@ -126,12 +133,6 @@ class Registry:
     def _remedy(self, name: str) -> str:
         extra = self.traits(name).extra if self.kind == "method" else ""
         return f" Install it with: pip install 'lpcompare[{extra}]'." if extra else ""
-
-    def _path(self, name: str) -> Path:
-        spec = find_spec(self._dotted(name))
-        if spec is None or spec.origin is None:
-            raise Unavailable(f"The file of {self.kind} {name!r} cannot be found; reinstall its package.")
-        return Path(spec.origin)
 
     def _tree(self, name: str) -> ast.Module:
         return ast.parse(self.source(name))

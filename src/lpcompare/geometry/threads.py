@@ -1,8 +1,18 @@
-"""How many threads lpcompare may use."""
+"""How many threads lpcompare may use, and the one loop that uses them."""
 
 from __future__ import annotations
 
 import os
+from collections.abc import Callable, Iterable
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from threading import Event
+from typing import TypeVar
+
+Item = TypeVar("Item")
+Result = TypeVar("Result")
+
+Progress = Callable[[int, int], None]
+"""Called with (done, total)."""
 
 
 def thread_count() -> int:
@@ -13,3 +23,61 @@ def thread_count() -> int:
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
+
+
+def map_in_threads(
+    function: Callable[[Item], Result],
+    items: Iterable[Item],
+    on_done: Progress | None = None,
+    cancelled: Event | None = None,
+) -> list[Result]:
+    """Apply ``function`` to every item in parallel; the results keep the order of the items.
+
+    Parameters
+    ----------
+    function : callable
+        Called once per item, from any thread.
+    items : iterable
+    on_done : callable, optional
+        Called in the calling thread with (items done, items).
+    cancelled : threading.Event, optional
+        Set when the loop is given up, for items that watch it.
+
+    Returns
+    -------
+    list
+        One result per item.
+
+    Raises
+    ------
+    Exception
+        What ``function`` raised first, or ``KeyboardInterrupt``. Items that have not begun are dropped and
+        those that run are waited for, so that no thread is left behind.
+    """
+    items = list(items)
+    if thread_count() == 1 or len(items) < 2:
+        return _in_this_thread(function, items, on_done)
+    with ThreadPoolExecutor(min(thread_count(), len(items))) as pool:
+        futures = [pool.submit(function, item) for item in items]
+        try:
+            for done, future in enumerate(as_completed(futures), 1):
+                future.result()
+                if on_done:
+                    on_done(done, len(items))
+        except BaseException:
+            if cancelled:
+                cancelled.set()
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+        return [future.result() for future in futures]
+
+
+def _in_this_thread(
+    function: Callable[[Item], Result], items: list[Item], on_done: Progress | None
+) -> list[Result]:
+    results = []
+    for item in items:
+        results.append(function(item))
+        if on_done:
+            on_done(len(results), len(items))
+    return results

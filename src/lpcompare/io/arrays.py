@@ -10,6 +10,8 @@ from lpcompare.io.checks import checked_points
 from lpcompare.io.polygons import checked_triangles
 from lpcompare.types import Indices, PointCloud
 
+HOLDS = frozenset({"normals", "colors", "attributes", "faces"})
+
 _FIELDS = ("points", "normals", "colors", "faces")
 
 

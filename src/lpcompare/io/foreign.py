@@ -1,55 +1,33 @@
-"""The other formats that MeshLab reads, in a child process: a damaged file can crash or hang its reader."""
+"""The other formats that MeshLab reads, through pymeshlab; they cannot be written."""
 
 from __future__ import annotations
 
-import json
-import subprocess
-import sys
-import tempfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from lpcompare.errors import InputError
 from lpcompare.io.checks import checked_points
+from lpcompare.mesh_library import pymeshlab
 from lpcompare.types import PointCloud
-
-_SECONDS = 60.0
-_SECONDS_PER_MIB = 2.0
 
 
 def read(path: Path) -> PointCloud:
-    """The layers of the file as one cloud, read by pymeshlab.
+    """All layers of the file as one cloud, each in its place; polygons as triangles.
 
-    Raises
-    ------
-    InputError
-        pymeshlab cannot read it, crashes on it, or does not come back.
-    Unavailable
-        pymeshlab or one of its system libraries is missing.
+    Normals are taken from files without faces only: of a mesh, MeshLab computes them anew.
     """
-    with tempfile.TemporaryDirectory(prefix="lpcompare-") as folder:
-        result = Path(folder) / "cloud.npz"
-        _run_child(path, result)
-        with np.load(result, allow_pickle=False) as arrays:
-            fields = {name: arrays[name] for name in arrays.files}
-    attributes = {"quality": fields["quality"]} if "quality" in fields else {}
-    points = checked_points(fields["points"], path.name)
+    layers = pymeshlab().MeshSet()
+    layers.load_new_mesh(str(path.resolve()))
+    if layers.mesh_number() > 1:
+        layers.generate_by_merging_visible_meshes(mergevertices=False)
+    mesh: Any = layers.current_mesh()
+    normals = mesh.vertex_normal_matrix() if not mesh.face_number() else np.zeros(0)
     return PointCloud(
-        points, fields.get("normals"), fields.get("colors"), attributes, fields.get("faces"), path.stem
+        checked_points(mesh.transformed_vertex_matrix(), path.name),
+        normals=normals if normals.any() else None,
+        colors=mesh.vertex_color_matrix() if mesh.has_vertex_color() else None,
+        attributes={"quality": mesh.vertex_scalar_array()} if mesh.has_vertex_scalar() else {},
+        faces=mesh.face_matrix().astype(np.intp) if mesh.face_number() else None,
+        name=path.stem,
     )
-
-
-def _run_child(path: Path, result: Path) -> None:
-    """Let `foreign_child` write the arrays; its last line on stderr is the reason of a refusal."""
-    limit = _SECONDS + _SECONDS_PER_MIB * path.stat().st_size / 2**20
-    command = [sys.executable, "-m", "lpcompare.io.foreign_child", str(path.resolve()), str(result)]
-    try:
-        done = subprocess.run(command, capture_output=True, timeout=limit, check=False)
-    except subprocess.TimeoutExpired as error:
-        raise InputError(f"{path} cannot be read: MeshLab's reader hung for {limit:.0f} s.") from error
-    if not result.is_file():
-        lines = done.stderr.decode(errors="replace").strip().splitlines()
-        refused = bool(lines) and lines[-1].startswith("{")
-        reason = json.loads(lines[-1])["reason"] if refused else f"crashed (exit code {done.returncode})"
-        raise InputError(f"{path} cannot be read: MeshLab's reader {reason}.")

@@ -10,14 +10,20 @@ from pathlib import Path
 from types import ModuleType
 
 from lpcompare.errors import InputError, LpcompareError
+from lpcompare.io import isolated
 from lpcompare.types import Indices, PointCloud
 
 _FAMILIES = {
     "ply": (".ply",),
     "obj": (".obj",),
+    "off": (".off",),
+    "text": (".asc", ".csv", ".pts", ".txt", ".xyz"),
+    "las": (".las", ".laz"),
+    "pcd": (".pcd",),
     "arrays": (".npy", ".npz"),
 }
 _FAMILY = {suffix: family for family, suffixes in _FAMILIES.items() for suffix in suffixes}
+_ISOLATED = ("las", "foreign")
 _READ_BY_MESHLAB = (
     *(".3ds", ".apts", ".ctm", ".dae", ".e57", ".fbx", ".glb", ".gltf", ".ptx", ".stl", ".tri", ".vmi"),
     *(".wrl", ".x3d", ".x3dv"),
@@ -46,7 +52,8 @@ def read_point_cloud(path: str | os.PathLike[str]) -> PointCloud:
     path = Path(path)
     with _sentences(path):
         _check_source(path)
-        return _reader(path).read(path)
+        family = _family(path)
+        return isolated.read(family, path) if family in _ISOLATED else _module(family).read(path)
 
 
 def write_point_cloud(path: str | os.PathLike[str], cloud: PointCloud) -> None:
@@ -64,9 +71,9 @@ def write_point_cloud(path: str | os.PathLike[str], cloud: PointCloud) -> None:
         The format cannot be written, or the folder does not exist or is not writable.
     """
     path = Path(path)
-    family = _writer(path)
+    family = _writable(path)
     with beside(path) as part:
-        family.write(part, cloud)
+        _module(family).write(part, cloud)
 
 
 def keep_rows(source: str | os.PathLike[str], target: str | os.PathLike[str], rows: Indices) -> None:
@@ -85,21 +92,40 @@ def keep_rows(source: str | os.PathLike[str], target: str | os.PathLike[str], ro
         As `read_point_cloud` and `write_point_cloud`.
     """
     source, target = Path(source), Path(target)
-    family = _writer(target)
-    if _reader(source) is not family:
+    family = _writable(target)
+    if _family(source) != family:
         raise InputError(f"{source.name} and {target.name} are not of one format; write the cloud instead.")
     with _sentences(source), beside(target) as part:
-        family.keep_rows(source, part, rows)
+        if family in _ISOLATED:
+            isolated.keep_rows(family, source, part, rows)
+        else:
+            _module(family).keep_rows(source, part, rows)
+
+
+def same_format(source: str | os.PathLike[str], target: str | os.PathLike[str]) -> bool:
+    """Whether `keep_rows` can copy one file to the other."""
+    return _family(Path(source)) == _FAMILY.get(Path(target).suffix.lower())
+
+
+def left_out(path: str | os.PathLike[str], cloud: PointCloud) -> tuple[str, ...]:
+    """What of a cloud the format of ``path`` cannot hold: "normals", "colors", "attributes", "faces"."""
+    holds = _module(_writable(Path(path))).HOLDS
+    parts = ("normals", "colors", "attributes", "faces")
+    return tuple(part for part in parts if _has(cloud, part) and part not in holds)
+
+
+def check_target(path: str | os.PathLike[str]) -> None:
+    """Raise an `InputError` now if ``path`` could not be written later."""
+    _writable(Path(path))
+    target = _real_target(Path(path))
+    if not os.access(target.parent, os.W_OK | os.X_OK):
+        raise InputError(f"The folder {Path(path).parent} cannot be written to; name another.")
 
 
 @contextmanager
 def beside(path: Path) -> Iterator[Path]:
     """A file in the same folder that takes the name ``path`` once the block has ended well."""
-    target = Path(os.path.realpath(path))
-    if target.exists() and not target.is_file():
-        raise InputError(f"{path} is not a file; name a file to write.")
-    if not target.parent.is_dir():
-        raise InputError(f"The folder {path.parent} does not exist; create it or name another.")
+    target = _real_target(path)
     part = target.with_name(f".{target.stem}.{os.getpid()}{target.suffix}")
     try:
         yield part
@@ -132,16 +158,44 @@ def _check_source(path: Path) -> None:
         raise InputError(f"{path} is empty (0 bytes); export it again.")
 
 
-def _reader(path: Path) -> ModuleType:
+def _real_target(path: Path) -> Path:
+    """The file behind the links; it or its folder must be able to take a file's place."""
+    target = Path(os.path.realpath(path))
+    if target.exists() and not target.is_file():
+        raise InputError(f"{path} is not a file; name a file to write.")
+    if not target.parent.is_dir():
+        raise InputError(f"The folder {path.parent} does not exist; create it or name another.")
+    return target
+
+
+def _has(cloud: PointCloud, part: str) -> bool:
+    value = getattr(cloud, part)
+    return bool(value) if part == "attributes" else value is not None
+
+
+def _module(family: str) -> ModuleType:
+    return import_module(f"lpcompare.io.{family}")
+
+
+def _family(path: Path) -> str:
+    """Name of the file of this folder that reads the format."""
     suffix = path.suffix.lower()
+    if suffix == ".pts" and _begins_with(path, b"["):
+        suffix = ".apts"  # MeshLab's binary point sets share the ending of plain rows
     if suffix not in _FAMILY and suffix not in _READ_BY_MESHLAB:
         known = " ".join(sorted((*_FAMILY, *_READ_BY_MESHLAB)))
         raise InputError(f"{path} has the ending {suffix!r}, which is not known. Known: {known}.")
-    return import_module(f"lpcompare.io.{_FAMILY.get(suffix, 'foreign')}")
+    return _FAMILY.get(suffix, "foreign")
 
 
-def _writer(path: Path) -> ModuleType:
+def _begins_with(path: Path, mark: bytes) -> bool:
+    with path.open("rb") as file:
+        return file.read(len(mark)) == mark
+
+
+def _writable(path: Path) -> str:
+    """Name of the file of this folder that writes the format."""
     suffix = path.suffix.lower()
     if suffix not in _FAMILY:
         raise InputError(f"Files {suffix!r} cannot be written ({path}). Known: {' '.join(sorted(_FAMILY))}.")
-    return import_module(f"lpcompare.io.{_FAMILY[suffix]}")
+    return _FAMILY[suffix]

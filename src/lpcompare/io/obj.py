@@ -14,6 +14,8 @@ from lpcompare.io.checks import checked_points
 from lpcompare.io.polygons import fan_triangles
 from lpcompare.types import Indices, PointCloud
 
+HOLDS = frozenset({"normals", "colors", "faces"})
+
 _PER_VERTEX = (b"v", b"vn", b"vt")
 _OF_THE_SURFACE = (b"f", b"l", b"p", b"s", b"g", b"o", b"usemtl", b"mtllib")
 

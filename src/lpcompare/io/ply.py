@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,8 @@ from plyfile import PlyData, PlyElement, PlyElementParseError, PlyListProperty
 from lpcompare.io.checks import checked_points
 from lpcompare.io.polygons import fan_triangles, strip_triangles
 from lpcompare.types import Indices, PointCloud
+
+HOLDS = frozenset({"normals", "colors", "attributes", "faces"})
 
 _AXES = ("x", "y", "z")
 _NORMALS = ("nx", "ny", "nz")
@@ -59,10 +62,12 @@ def keep_rows(source: Path, target: Path, rows: Indices) -> None:
 
 def _open(path: Path) -> PlyData:
     """The file's elements; lists of three corners, the usual case, are read at once and not one by one."""
-    try:
-        return PlyData.read(str(path), known_list_len={"face": dict.fromkeys(_CORNERS, 3)})
-    except PlyElementParseError:
-        return PlyData.read(str(path))
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "loadtxt: input contained no data")  # an empty list in ascii
+        try:
+            return PlyData.read(str(path), known_list_len={"face": dict.fromkeys(_CORNERS, 3)})
+        except PlyElementParseError:
+            return PlyData.read(str(path))
 
 
 def _vertices(file: PlyData) -> PlyElement:

@@ -1,0 +1,49 @@
+"""``lpcompare report``: a finished run as a page, and as figures, tables or a MeshLab project."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def command(
+    run: Annotated[Path, typer.Argument(help="Folder of a run, or its run.json.", show_default=False)],
+    *,
+    out: Annotated[Path | None, typer.Option(help="The page. Default: report.html in the run's folder.")] = None,
+    reference: Annotated[str, typer.Option(help="Method that ratios are taken to. Default: poisson_disk.")] = "",
+    figures: Annotated[bool, typer.Option("--figures", help="Charts and clouds as SVG, PDF and PNG.")] = False,
+    latex: Annotated[bool, typer.Option("--latex", help="Tables for LaTeX (booktabs).")] = False,
+    markdown: Annotated[bool, typer.Option("--markdown", help="The same tables in Markdown.")] = False,
+    csv: Annotated[bool, typer.Option("--csv", help="One row per model, method and reduction.")] = False,
+    meshlab: Annotated[bool, typer.Option("--meshlab", help="A MeshLab project, quality = error.")] = False,
+) -> None:
+    """Draw a finished run again, from its folder; nothing is computed anew."""
+    from lpcompare.harness.record import load_run
+    from lpcompare.report.page import write_page
+
+    loaded = load_run(run)
+    written = [write_page(run, out, reference=reference)]
+    if figures:
+        from lpcompare.report.figures import write_figures
+
+        written += write_figures(loaded, loaded.folder / "figures", reference)
+    if latex:
+        from lpcompare.report.latex import write_latex
+
+        written.append(write_latex(loaded, loaded.folder / "tables.tex"))
+    if markdown:
+        from lpcompare.report.markdown import write_markdown
+
+        written.append(write_markdown(loaded, loaded.folder / "tables.md"))
+    if csv:
+        from lpcompare.report.cell_table import write_csv
+
+        written.append(write_csv(loaded, loaded.folder / "cells.csv"))
+    if meshlab:
+        from lpcompare.report.meshlab_project import write_project
+
+        written += write_project(loaded, loaded.folder / "meshlab")
+    for path in written:
+        typer.echo(str(path))

@@ -1,0 +1,116 @@
+"""A run's folder on disk: readable at every moment, whatever ends the run."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import os
+import shutil
+import tempfile
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from lpcompare.errors import InputError
+from lpcompare.harness.record import SCHEMA_VERSION, Record
+
+_NESTED = ("settings", "timings", "metrics", "info")
+
+
+class RunFolder:
+    """Writes run.json, records.jsonl, records.csv and clouds/.
+
+    Every finished record is appended to records.jsonl and flushed to the disk before the next case starts;
+    run.json is replaced whole at the start and at the end. `lpcompare.harness.record.load_run` reads both.
+
+    Parameters
+    ----------
+    path : Path
+        Created if need be.
+
+    Raises
+    ------
+    InputError
+        The folder cannot be made or written.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path, self.clouds, self.scratch = path, path / "clouds", path / ".work"
+        self._head: dict[str, Any] = {}
+        try:
+            self.clouds.mkdir(parents=True, exist_ok=True)
+            shutil.rmtree(self.scratch, ignore_errors=True)
+            self.scratch.mkdir()
+        except OSError as error:
+            reason = error.strerror or error
+            raise InputError(
+                f"The folder {path} cannot be written ({reason}); name another with --out."
+            ) from error
+
+    def begin(self, head: Mapping[str, Any], finished: Iterable[Record]) -> None:
+        """Write plan, environment and inputs, and the records that an earlier start finished."""
+        self._head = {"schema_version": SCHEMA_VERSION, **head}
+        finished = list(finished)
+        self._write_document(finished, complete=False)
+        replace_text(self._lines, "".join(_line(record) for record in finished))
+
+    def append(self, record: Record) -> None:
+        """Keep a finished record, on the disk when this returns."""
+        with self._lines.open("a", encoding="utf-8") as file:
+            file.write(_line(record))
+            file.flush()
+            os.fsync(file.fileno())
+
+    def end(self, records: Iterable[Record], *, complete: bool) -> None:
+        """Write run.json and records.csv with every record, and clear away what only a running run needs."""
+        records = list(records)
+        self._write_document(records, complete=complete)
+        replace_text(self.path / "records.csv", _table(records))
+        self._lines.unlink(missing_ok=True)
+        shutil.rmtree(self.scratch, ignore_errors=True)
+
+    def exchange(self) -> Path:
+        """A new empty folder for the files of one child process."""
+        return Path(tempfile.mkdtemp(dir=self.scratch))
+
+    @property
+    def _lines(self) -> Path:
+        return self.path / "records.jsonl"
+
+    def _write_document(self, records: list[Record], *, complete: bool) -> None:
+        document = self._head | {"complete": complete, "records": [r.to_dict() for r in records]}
+        replace_text(self.path / "run.json", json.dumps(document, indent=1, allow_nan=False) + "\n")
+
+
+def replace_text(path: Path, text: str) -> None:
+    """Write a file whole, flushed to the disk, or leave it as it was."""
+    part = path.with_name(path.name + ".part")
+    with part.open("w", encoding="utf-8", newline="") as file:
+        file.write(text)
+        file.flush()
+        os.fsync(file.fileno())
+    os.replace(part, path)
+
+
+def _line(record: Record) -> str:
+    return json.dumps(record.to_dict(), allow_nan=False) + "\n"
+
+
+def _table(records: list[Record]) -> str:
+    """The records as CSV; stage times as ``time_<stage>_s``, settings and info as JSON, metrics by name."""
+    rows = [_flat(record) for record in records]
+    columns = list(dict.fromkeys(name for row in rows for name in row))
+    text = io.StringIO()
+    writer = csv.DictWriter(text, columns, lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    return text.getvalue()
+
+
+def _flat(record: Record) -> dict[str, Any]:
+    row = record.to_dict()
+    flat = {name: value for name, value in row.items() if name not in _NESTED}
+    flat |= {name: json.dumps(row[name], sort_keys=True) for name in ("settings", "info")}
+    flat |= {f"time_{stage}_s": seconds for stage, seconds in row["timings"].items()}
+    return flat | row["metrics"]

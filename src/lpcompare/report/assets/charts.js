@@ -1,0 +1,209 @@
+"use strict";
+// The charts, drawn by plotly.js from the numbers in the page for the model, measure and reference chosen.
+
+const SYMBOLS = { circle: "●", square: "■", diamond: "◆", "triangle-up": "▲", "triangle-down": "▼", cross: "✚", x: "✖" };
+let charts = null;
+const STAGE_COLOURS = ["#3b528b", "#5ec962", "#21918c", "#fde725", "#440154", "#b5367a"];
+const hiddenMethods = new Set();
+
+function chosen(id) {
+  return document.getElementById(id).value;
+}
+
+// The cells of one method on the chosen model that have every one of these columns, fewest points last.
+function cellsOf(method, ...keys) {
+  return charts.cells
+    .filter((c) => c.model === chosen("chart-model") && c.method === method && keys.every((key) => key in c.values))
+    .sort((a, b) => a.reduction - b.reduction);
+}
+
+function shownMethods() {
+  return Object.keys(charts.methods).filter((method) => !hiddenMethods.has(method));
+}
+
+// Plotly's error bar from [median, low, high].
+function errorBar(spans) {
+  return {
+    type: "data", symmetric: false, thickness: 1, width: 0,
+    array: spans.map(([median, , high]) => high - median),
+    arrayminus: spans.map(([median, low]) => median - low),
+  };
+}
+
+function percentText(share) {
+  return `${+(100 * share).toPrecision(6)} %`;
+}
+
+function curve(method, xKey, yKey) {
+  const cells = cellsOf(method, xKey, yKey);
+  const style = charts.methods[method];
+  return {
+    name: escapeText(method), mode: "lines+markers",
+    x: cells.map((c) => c.values[xKey][0]), y: cells.map((c) => c.values[yKey][0]),
+    error_x: errorBar(cells.map((c) => c.values[xKey])), error_y: errorBar(cells.map((c) => c.values[yKey])),
+    text: cells.map((c) => `${percentText(c.reduction)} removed`),
+    marker: { color: style.color, symbol: style.symbol, size: 8 }, line: { color: style.color, width: 1, dash: "dot" },
+    hovertemplate: "<b>%{fullData.name}</b>, %{text}<br>%{x:.3~g} · %{y:.3~g}<extra></extra>",
+  };
+}
+
+// Plotly reads a few tags in names; ours are plain text.
+function escapeText(text) {
+  return text.replaceAll("&", "&amp;").replaceAll("<", "&lt;").replaceAll(">", "&gt;");
+}
+
+// The fronts as steps: what is the lowest error for the time one has.
+function frontCurves(measure) {
+  const fronts = charts.fronts[chosen("chart-model")]?.[measure] ?? {};
+  return Object.entries(fronts).map(([reduction, methods]) => {
+    const cells = methods.map((m) => cellsOf(m, "runtime_s", measure).find((c) => c.reduction === Number(reduction)));
+    return {
+      mode: "lines", line: { shape: "hv", color: themeColour("--quiet"), width: 1.5 }, hoverinfo: "skip",
+      x: cells.map((c) => c.values.runtime_s[0]), y: cells.map((c) => c.values[measure][0]),
+    };
+  });
+}
+
+// 1, 2 and 5 of every decade, or the powers of ten alone where that would be too many.
+function logTicks(values) {
+  const [low, high] = [Math.log10(Math.min(...values)), Math.log10(Math.max(...values))];
+  const digits = high - low > 2 ? [1] : [1, 2, 5];
+  const ticks = [];
+  for (let decade = Math.floor(low) - 1; decade <= high + 1; decade++) ticks.push(...digits.map((d) => Number(`${d}e${decade}`)));
+  return ticks;
+}
+
+// Logarithmic where every value allows it.
+function axis(title, values) {
+  const lines = { gridcolor: themeColour("--line"), zerolinecolor: themeColour("--line"), automargin: true };
+  const base = { ...lines, title: { text: title, standoff: 8 } };
+  if (!values.length || values.some((value) => value <= 0)) return base;
+  const ticks = logTicks(values);
+  return { ...base, type: "log", tickvals: ticks, ticktext: ticks.map((tick) => tick.toLocaleString("en", { maximumSignificantDigits: 2 })) };
+}
+
+function draw(id, traces, layout) {
+  const base = {
+    showlegend: false, margin: { l: 56, r: 12, t: 12, b: 44 }, hovermode: "closest", dragmode: "zoom",
+    paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)", font: { color: themeColour("--ink"), size: 12 },
+  };
+  const config = { responsive: true, displaylogo: false, modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"] };
+  return Plotly.react(id, traces, { ...base, ...layout }, config);
+}
+
+function drawCurves(id, xKey, measure, front) {
+  const curves = shownMethods().map((method) => curve(method, xKey, measure));
+  const [xs, ys] = ["x", "y"].map((key) => curves.flatMap((trace) => trace[key]));
+  const { headings } = charts;
+  return draw(id, [...front, ...curves], {
+    xaxis: axis(headings[xKey].label, xs), yaxis: axis(headings[measure].label, ys),
+  });
+}
+
+// Each method over the reference at the same reduction; 1 is the reference itself.
+function ratioTraces(measure, reference) {
+  const base = new Map(cellsOf(reference, measure).map((c) => [c.reduction, c.values[measure]]));
+  return shownMethods().map((method) => {
+    const cells = cellsOf(method, measure).filter((c) => base.has(c.reduction) && base.get(c.reduction)[0] > 0);
+    const spans = cells.map((c) => c.values[measure].map((value) => value / base.get(c.reduction)[0]));
+    const style = charts.methods[method];
+    return {
+      name: escapeText(method), mode: "markers", x: spans.map(([median]) => median), y: cells.map(() => escapeText(method)),
+      error_x: errorBar(spans), text: cells.map((c) => `${percentText(c.reduction)} removed`),
+      marker: { color: style.color, symbol: style.symbol, size: cells.map((c) => 6 + 6 * c.reduction) },
+      hovertemplate: "<b>%{y}</b>, %{text}<br>%{x:.3~g} times<extra></extra>",
+    };
+  });
+}
+
+function drawRatio(measure) {
+  const reference = chosen("chart-reference");
+  document.getElementById("chart-reference-name").textContent = reference;
+  const traces = ratioTraces(measure, reference).filter((trace) => trace.x.length);
+  traces.sort((a, b) => Math.max(...b.x) - Math.max(...a.x));
+  const line = { type: "line", x0: 1, x1: 1, y0: 0, y1: 1, yref: "paper", line: { color: themeColour("--quiet"), width: 1 } };
+  return draw("chart-ratio", traces, {
+    xaxis: axis(`${charts.headings[measure].title}, times ${escapeText(reference)}`, traces.flatMap((t) => t.x)),
+    yaxis: { automargin: true, gridcolor: themeColour("--line") }, shapes: [line],
+  });
+}
+
+// What the method says of its stages; the rest of the call is named as such.
+function stageSeconds(cell) {
+  const whole = cell.values.runtime_s[0];
+  const told = Object.values(cell.timings).reduce((sum, value) => sum + value, 0);
+  return { ...cell.timings, [told > 0 ? "the rest" : "the whole call"]: Math.max(0, whole - told) };
+}
+
+function drawStages() {
+  const reduction = Number(chosen("chart-reduction"));
+  const rows = shownMethods()
+    .flatMap((method) => cellsOf(method, "runtime_s").filter((c) => c.reduction === reduction))
+    .sort((a, b) => b.values.runtime_s[0] - a.values.runtime_s[0])
+    .map((cell) => ({ method: escapeText(cell.method), stages: stageSeconds(cell) }));
+  const stages = [...new Set(rows.flatMap((row) => Object.keys(row.stages)))];
+  const traces = stages.map((stage, i) => ({
+    type: "bar", orientation: "h", name: escapeText(stage), y: rows.map((row) => row.method), x: rows.map((row) => row.stages[stage] ?? 0),
+    marker: { color: stage.startsWith("the ") ? themeColour("--quiet") : STAGE_COLOURS[i % STAGE_COLOURS.length] },
+    hovertemplate: "<b>%{y}</b>, %{fullData.name}<br>%{x:.3~g} s<extra></extra>",
+  }));
+  return draw("chart-stages", traces, {
+    barmode: "stack", showlegend: true, legend: { orientation: "h", y: -0.18 },
+    xaxis: { ...axis("Seconds", []), rangemode: "tozero" }, yaxis: { automargin: true, autorange: "reversed" },
+  });
+}
+
+function drawCharts() {
+  if (!charts) return Promise.resolve();
+  const measure = chosen("chart-measure");
+  return Promise.all([
+    drawCurves("chart-runtime", "runtime_s", measure, frontCurves(measure)),
+    drawCurves("chart-count", "n_output", measure, []),
+    drawRatio(measure),
+    drawStages(),
+  ]);
+}
+
+function toggleMethod(button) {
+  const method = button.dataset.method;
+  const shown = hiddenMethods.delete(method);
+  if (!shown) hiddenMethods.add(method);
+  button.setAttribute("aria-pressed", shown);
+  drawCharts();
+}
+
+function startLegend() {
+  for (const [method, style] of Object.entries(charts.methods)) {
+    const button = document.createElement("button");
+    const symbol = document.createElement("span");
+    button.type = "button";
+    button.dataset.method = method;
+    button.setAttribute("aria-pressed", "true");
+    symbol.className = "symbol";
+    symbol.style.color = style.color;
+    symbol.textContent = SYMBOLS[style.symbol];
+    button.append(symbol, method);
+    button.addEventListener("click", () => toggleMethod(button));
+    document.getElementById("chart-legend").append(button);
+  }
+}
+
+function startCharts() {
+  if (!document.getElementById("chart-runtime")) return;
+  charts = JSON.parse(document.getElementById("chart-data").textContent);
+  startLegend();
+  const height = 110 + 22 * Object.keys(charts.methods).length;
+  for (const tall of document.querySelectorAll(".chart.tall")) tall.style.height = `${Math.max(300, height)}px`;
+  for (const id of ["chart-model", "chart-measure", "chart-reference", "chart-reduction"]) {
+    document.getElementById(id).addEventListener("change", drawCharts);
+  }
+  // Drawn when they come into sight, so that the views above them are there at once.
+  const watcher = new IntersectionObserver((seen) => {
+    if (seen.some((entry) => entry.isIntersecting)) {
+      watcher.disconnect();
+      drawCharts();
+    }
+  }, { rootMargin: "400px" });
+  watcher.observe(document.getElementById("charts"));
+  addEventListener("beforeprint", drawCharts);
+}

@@ -1,0 +1,44 @@
+"""One colour and one symbol per method, the same in every chart of a report."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+_COLORS = (
+    "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9",
+    "#882255", "#999933", "#332288", "#aa4499", "#44aa99", "#737373",
+)  # fmt: skip
+"""Told apart by the colour-blind: eight of Okabe and Ito, the rest of Tol's "muted"; on light and dark."""
+
+_SYMBOLS = ("circle", "square", "diamond", "triangle-up", "triangle-down", "cross", "x")
+_MARKERS = {"circle": "o", "square": "s", "diamond": "D", "triangle-up": "^", "triangle-down": "v",
+            "cross": "P", "x": "X"}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Style:
+    """How a method is drawn.
+
+    Attributes
+    ----------
+    color : str
+    symbol : str
+        Plotly's name.
+    """
+
+    color: str
+    symbol: str
+
+    @property
+    def marker(self) -> str:
+        """Matplotlib's name of the symbol."""
+        return _MARKERS[self.symbol]
+
+
+def method_styles(methods: Iterable[str]) -> dict[str, Style]:
+    """A style for every method, by its place in the list; no two share both colour and symbol below 84."""
+    return {
+        method: Style(_COLORS[i % len(_COLORS)], _SYMBOLS[(i + i // len(_COLORS)) % len(_SYMBOLS)])
+        for i, method in enumerate(methods)
+    }

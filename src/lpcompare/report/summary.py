@@ -1,0 +1,226 @@
+"""What a run shows, in sentences that are computed from its numbers."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+
+from lpcompare.report.cells import Cell, distinct, pareto_front
+from lpcompare.report.columns import ERROR, RUNTIME, headings, metric_keys
+from lpcompare.report.ranks import rank_over_cells, rank_over_models
+from lpcompare.report.wording import count, listing, number, percent, seconds
+
+_MISS = 0.01
+"""A count is missed when it differs from the one asked for by more than this share."""
+
+_LONGEST_LIST = 4
+
+
+def summarize(cells: Sequence[Cell]) -> list[str]:
+    """Sentences about a run, the most important one first.
+
+    Parameters
+    ----------
+    cells : sequence of Cell
+        Every cell of the run.
+
+    Returns
+    -------
+    list of str
+        Plain text; names of models and methods are not escaped.
+    """
+    if not cells:
+        return ["The run holds no case: nothing was compared."]
+    good = [cell for cell in cells if cell.ok]
+    if not good:
+        return [_scope(cells), "No case ended with a result.", *_troubles(cells)]
+    return [_scope(cells), *_error(good), *_points_alone(good), *_speed(good), *_front(good),
+            *_other_metrics(good), *_ranks(good), *_misses(good), *_troubles(cells)]  # fmt: skip
+
+
+def _scope(cells: Sequence[Cell]) -> str:
+    models, methods, reductions = (distinct(cells, k) for k in ("model", "method", "reduction"))
+    sizes = {cell.model: cell.n_input for cell in cells}
+    where = f"{models[0]} ({sizes[models[0]]:,} points)" if len(models) == 1 else count(len(models), "model")
+    rates = listing([percent(r) for r in sorted(reductions)])
+    total = sum(sum(cell.statuses.values()) for cell in cells)
+    ended = sum(cell.statuses.get("ok", 0) for cell in cells)
+    return (
+        f"{count(len(methods), 'method').capitalize()} on {where} with {rates} of the points removed: "
+        f"{count(total, 'case')}, {'all' if ended == total else f'{ended:,}'} with a result."
+    )
+
+
+def _error(good: Sequence[Cell]) -> Iterator[str]:
+    """Who has the lowest eq. 27 error, where, by how much, and whether the repeats can tell."""
+    tables = _contests(good)
+    winners = [ranked[0].method for ranked in tables]
+    if not tables:
+        return
+    for winner in sorted(set(winners), key=lambda w: -winners.count(w))[:_LONGEST_LIST]:
+        won = [ranked for ranked in tables if ranked[0].method == winner]
+        yield f"{winner} has the lowest error (eq. 27) {_places(won, tables)}{_lead(won)}."
+
+
+def _contests(good: Sequence[Cell]) -> list[list[Cell]]:
+    """The cells of every model and reduction that have an error, lowest first."""
+    groups: dict[tuple[str, float], list[Cell]] = {}
+    for cell in good:
+        if ERROR in cell.values:
+            groups.setdefault((cell.model, cell.reduction), []).append(cell)
+    return [sorted(group, key=lambda c: c.value(ERROR)) for group in groups.values()]
+
+
+def _places(won: list[list[Cell]], tables: list[list[Cell]]) -> str:
+    """Where: the reductions on a single model, else the share of the model-reduction pairs."""
+    if len({ranked[0].model for ranked in tables}) > 1:
+        what = count(len(tables), "pair") + " of model and reduction"
+        return f"in {'all ' if len(won) == len(tables) else f'{len(won)} of '}{what}"
+    if len(won) == len(tables) > 1:
+        return "at both reductions" if len(tables) == 2 else f"at all {count(len(tables), 'reduction')}"
+    return f"at {listing([percent(ranked[0].reduction) for ranked in won])}"
+
+
+def _lead(won: list[list[Cell]]) -> str:
+    """How far ahead of the next method, as a range of ratios."""
+    rivals = [ranked for ranked in won if len(ranked) > 1 and ranked[0].value(ERROR) > 0]
+    if not rivals:
+        return ""
+    ratios = [ranked[1].value(ERROR) / ranked[0].value(ERROR) for ranked in rivals]
+    runners = list(dict.fromkeys(ranked[1].method for ranked in rivals))
+    who = listing(runners) if len(runners) <= 2 else "the next method"
+    return f"; {who} {_has(runners)} {_range(ratios)} times as much{_overlap(rivals)}"
+
+
+def _has(names: Sequence[str]) -> str:
+    return "have" if len(names) == 2 else "has"
+
+
+def _range(ratios: list[float]) -> str:
+    low, high = number(min(ratios)), number(max(ratios))
+    return low if low == high else f"{low} to {high}"
+
+
+def _overlap(rivals: list[list[Cell]]) -> str:
+    """Where the spans of first and second meet, the repeats do not tell them apart."""
+    met = [r for r in rivals if r[0].values[ERROR].high >= r[1].values[ERROR].low]
+    if not met:
+        return ""
+    return f" (the repeats of the first two overlap in {count(len(met), 'case')}: not told apart there)"
+
+
+def _points_alone(good: Sequence[Cell]) -> Iterator[str]:
+    """The best of those that were given no mesh, where a method that was given one leads."""
+    tables = _contests(good)
+    if not any(ranked[0].needs_mesh for ranked in tables):
+        return
+    alone = [[c for c in ranked if not c.needs_mesh] for ranked in tables]
+    winners = [ranked[0].method for ranked in alone if ranked]
+    if winners:
+        best = sorted(set(winners), key=lambda w: -winners.count(w))[0]
+        share = f"in {winners.count(best)} of {len(winners)}" if winners.count(best) < len(winners) else "everywhere"
+        yield f"Of the methods that were given points and no mesh, {best} has the lowest error {share}."
+
+
+def _speed(good: Sequence[Cell]) -> Iterator[str]:
+    """The fastest method, and what the one with the lowest error takes."""
+    times = _spans(good, RUNTIME)
+    tables = _contests(good)
+    if len(times) < 2 or not tables:
+        return
+    fastest = min(times, key=lambda method: max(times[method]))
+    leaders = [ranked[0].method for ranked in tables]
+    leader = max(dict.fromkeys(leaders), key=leaders.count)
+    text = f"{fastest} is the fastest ({_time_range(times[fastest])})"
+    if leader != fastest and leader in times:
+        text += f"; {leader} takes {_time_range(times[leader])}"
+    yield text + "."
+
+
+def _spans(good: Sequence[Cell], key: str) -> dict[str, list[float]]:
+    spans: dict[str, list[float]] = {}
+    for cell in good:
+        if key in cell.values:
+            spans.setdefault(cell.method, []).append(cell.value(key))
+    return spans
+
+
+def _time_range(values: list[float]) -> str:
+    low, high = seconds(min(values)), seconds(max(values))
+    return low if low == high else f"{low} to {high}"
+
+
+def _front(good: Sequence[Cell]) -> Iterator[str]:
+    """On one model: the methods that no other beats in both error and time, at every reduction."""
+    if len(distinct(good, "model")) > 1 or len(distinct(good, "method")) < 3:
+        return
+    fronts = [
+        {c.method for c in pareto_front([c for c in good if c.reduction == r], RUNTIME, ERROR)}
+        for r in distinct(good, "reduction")
+    ]
+    always = [m for m in distinct(good, "method") if all(m in front for front in fronts)]
+    if always:
+        yield f"No method is both faster and more accurate than {listing(always)}, at any reduction here."
+
+
+def _other_metrics(good: Sequence[Cell]) -> Iterator[str]:
+    """The metrics whose best method is another one than that of eq. 27."""
+    known = headings({key for cell in good for key in cell.values})
+    if ERROR not in known or len(distinct(good, "method")) < 2:
+        return
+    first = rank_over_cells(good, known[ERROR])
+    dissent: dict[str, list[str]] = {}
+    for key in metric_keys(known):
+        ranking = rank_over_cells(good, known[key])
+        if known[key].better and ranking.methods and ranking.methods[0] != first.methods[0]:
+            dissent.setdefault(ranking.methods[0], []).append(_short_title(known[key].title))
+    told = [f"{m} is best by {_titles(titles)}" for m, titles in sorted(dissent.items(), key=lambda d: -len(d[1]))]
+    if told:
+        yield f"Not every measure agrees: {'; '.join(told)}."
+
+
+def _short_title(title: str) -> str:
+    """A column's title up to its first comma or colon, inside a sentence."""
+    short = re.split(r"[,:]", title)[0]
+    return short[0].lower() + short[1:]
+
+
+def _titles(titles: Sequence[str]) -> str:
+    titles = list(dict.fromkeys(titles))
+    return listing(titles) if len(titles) <= _LONGEST_LIST else count(len(titles), "other measure")
+
+
+def _ranks(good: Sequence[Cell]) -> Iterator[str]:
+    """Whether the ranks over the models differ by more than chance."""
+    known = headings({key for cell in good for key in cell.values})
+    if ERROR not in known or len(distinct(good, "model")) < 3:
+        return
+    ranking = rank_over_models(good, known[ERROR])
+    if not ranking.decided:
+        return
+    limit = ranking.mean_ranks[0] + ranking.critical_difference
+    worse = [m for m, r in zip(ranking.methods, ranking.mean_ranks, strict=True) if r > limit]
+    beats = f"significantly better than {listing(worse)}" if worse else "not significantly better than any other"
+    yield f"Over {count(len(ranking.blocks), 'model')}, {ranking.methods[0]} has the best mean rank and is {beats} (5 %)."
+
+
+def _misses(good: Sequence[Cell]) -> Iterator[str]:
+    """Methods that returned another count than the one they were asked for."""
+    off: dict[str, float] = {}
+    for cell in good:
+        share = cell.value("n_output") / cell.target_count - 1
+        if abs(share) > max(_MISS, abs(off.get(cell.method, 0.0))):
+            off[cell.method] = share
+    if off:
+        told = [f"{m} (up to {100 * abs(s):.3g} % {'more' if s > 0 else 'fewer'})" for m, s in off.items()]
+        yield f"Another count than the one asked for was returned by {listing(told)}; their errors are not at equal counts."
+
+
+def _troubles(cells: Sequence[Cell]) -> Iterator[str]:
+    """How many cases were skipped, failed or timed out, and of which methods."""
+    words = {"failed": "failed", "timeout": "ran out of time", "skipped": "did not apply or could not run"}
+    for status, text in words.items():
+        hit = [cell for cell in cells if cell.statuses.get(status)]
+        if hit:
+            n = sum(cell.statuses[status] for cell in hit)
+            yield f"{count(n, 'case').capitalize()} {text}: {listing(distinct(hit, 'method'))}."

@@ -1,0 +1,1 @@
+"""Methods that do what rivals do on bad days."""

@@ -1,0 +1,173 @@
+"""Files that cannot be worked on: one sentence that names the file, and nothing written."""
+
+import os
+import random
+import shutil
+
+import numpy as np
+import pytest
+
+from lpcompare.errors import InputError
+from lpcompare.io import keep_rows, read_point_cloud, write_point_cloud
+from lpcompare.io.checks import checked_points
+from lpcompare.types import PointCloud
+
+FORMATS = [".ply", ".obj", ".off", ".xyz", ".csv", ".npy", ".npz", ".pcd", ".las", ".laz"]
+BINARY = [".ply", ".npy", ".npz", ".pcd", ".las", ".laz"]
+
+
+@pytest.fixture(scope="module")
+def cloud():
+    rng = np.random.default_rng(2)
+    return PointCloud(
+        rng.normal(size=(300, 3)),
+        colors=rng.integers(0, 256, (300, 4)) / 255,
+        attributes={"label": rng.integers(0, 9, 300).astype(np.uint8)},
+    )
+
+
+def refused(path):
+    with pytest.raises(InputError) as caught:
+        read_point_cloud(path)
+    sentence = str(caught.value)
+    assert "\n" not in sentence
+    assert sentence.endswith((".", "?"))
+    assert path.name in sentence
+    return sentence
+
+
+@pytest.mark.parametrize("suffix", FORMATS)
+def test_missing_and_empty_files_and_folders(suffix, tmp_path):
+    path = tmp_path / f"a{suffix}"
+    assert "No such file" in refused(path)
+    path.touch()
+    assert "empty" in refused(path)
+    path.unlink()
+    path.mkdir()
+    assert "folder" in refused(path)
+
+
+@pytest.mark.parametrize("suffix", BINARY)
+@pytest.mark.parametrize("share", [0.05, 0.5, 0.97])
+def test_truncated_files(suffix, share, cloud, tmp_path):
+    path = tmp_path / f"a{suffix}"
+    write_point_cloud(path, cloud)
+    content = path.read_bytes()
+    path.write_bytes(content[: int(len(content) * share)])
+    refused(path)
+
+
+def test_ascii_ply_and_counted_text_that_are_too_short(tmp_path):
+    axes = "".join(f"property float {axis}\n" for axis in "xyz")
+    head = f"ply\nformat ascii 1.0\nelement vertex 3\n{axes}end_header\n"
+    (tmp_path / "a.ply").write_text(head + "0 0 0\n1 1 1\n")
+    assert "early end-of-file" in refused(tmp_path / "a.ply")
+    (tmp_path / "a.pts").write_text("3\n0 0 0\n1 1 1\n")
+    assert "promises 3 points and holds 2" in refused(tmp_path / "a.pts")
+    (tmp_path / "a.off").write_text("OFF\n3 1 0\n0 0 0\n1 1 1\n2 2 2\n")
+    assert "promises 3 vertices and 1 faces" in refused(tmp_path / "a.off")
+
+
+@pytest.mark.parametrize("suffix", FORMATS)
+@pytest.mark.parametrize("other", [".ply", ".npz", ".laz"])
+def test_mislabelled_files(suffix, other, cloud, tmp_path):
+    same_family = {suffix, other} in ({".npy", ".npz"}, {".las", ".laz"})
+    if suffix == other or same_family:
+        return
+    write_point_cloud(tmp_path / f"a{other}", cloud)
+    shutil.copy(tmp_path / f"a{other}", tmp_path / f"b{suffix}")
+    refused(tmp_path / f"b{suffix}")
+
+
+@pytest.mark.parametrize("suffix", [".ply", ".obj", ".off", ".xyz", ".csv", ".npy", ".npz", ".pcd"])
+def test_rows_that_are_not_finite_are_named(suffix, cloud, tmp_path):
+    points = cloud.points.copy()
+    points[[4, 17], 1] = np.nan, np.inf
+    write_point_cloud(tmp_path / f"a{suffix}", PointCloud(points))
+    assert "2 of 300 points (rows 4, 17, counted from 0)" in refused(tmp_path / f"a{suffix}")
+
+
+@pytest.mark.parametrize("suffix", FORMATS)
+def test_one_point_is_a_cloud(suffix, tmp_path):
+    write_point_cloud(tmp_path / f"a{suffix}", PointCloud(np.array([[1.0, 2.0, 3.0]])))
+    assert read_point_cloud(tmp_path / f"a{suffix}").points.tolist() == [[1, 2, 3]]
+    keep_rows(tmp_path / f"a{suffix}", tmp_path / f"b{suffix}", np.array([0]))
+    assert len(read_point_cloud(tmp_path / f"b{suffix}")) == 1
+
+
+def test_unknown_endings_are_answered_with_the_known_ones(cloud, tmp_path):
+    (tmp_path / "a.docx").write_text("x")
+    assert ".ply" in refused(tmp_path / "a.docx")
+    with pytest.raises(InputError, match="cannot be written"):
+        write_point_cloud(tmp_path / "a.stl", cloud)
+
+
+def test_decimal_commas_are_not_taken_for_separators(tmp_path):
+    (tmp_path / "a.txt").write_text("1,5 2,5 3,5\n")
+    assert "decimal commas" in refused(tmp_path / "a.txt")
+    (tmp_path / "a.csv").write_text("1,5;2,5;3,5\n")
+    assert "decimal commas" in refused(tmp_path / "a.csv")
+
+
+def test_faces_that_name_no_point(tmp_path):
+    (tmp_path / "a.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n")
+    assert "a face names point 3" in refused(tmp_path / "a.obj")
+
+
+def test_nothing_is_left_of_a_failed_write(cloud, tmp_path):
+    with pytest.raises(InputError, match="does not exist"):
+        write_point_cloud(tmp_path / "nowhere" / "a.ply", cloud)
+    os.mkfifo(tmp_path / "pipe.ply")
+    with pytest.raises(InputError, match="not a file"):
+        write_point_cloud(tmp_path / "pipe.ply", cloud)
+    (tmp_path / "pipe.ply").unlink()
+    (tmp_path / "a.ply").write_text("precious")
+    with pytest.raises(Exception, match=r".+"):
+        write_point_cloud(tmp_path / "a.ply", PointCloud(cloud.points, attributes={"x": np.array(["text"])}))
+    assert [p.read_text() for p in tmp_path.iterdir()] == ["precious"]
+
+
+@pytest.mark.parametrize(
+    ("values", "reason"),
+    [
+        (np.zeros((3, 2)), r"shape \(3, 2\)"),
+        (np.zeros((0, 3)), "no points"),
+        (np.array([["a", "b", "c"]]), "real numbers"),
+        (np.full((1, 3), np.nan), "1 of 1 points"),
+    ],
+)
+def test_points_are_checked_where_they_enter(values, reason):
+    with pytest.raises(InputError, match=reason):
+        checked_points(values, "the argument")
+
+
+@pytest.mark.parametrize("suffix", FORMATS)
+def test_damaged_files_are_read_or_refused(suffix, cloud, tmp_path):
+    """Seeded mutations, few of those that cost a child process."""
+    path = tmp_path / f"a{suffix}"
+    write_point_cloud(path, PointCloud(cloud.points[:40], colors=cloud.colors[:40]))
+    content, chance, sentences = path.read_bytes(), random.Random(5), []
+    for _ in range(8 if suffix in (".las", ".laz") else 150):
+        path.write_bytes(mutated(content, chance))
+        try:
+            assert np.isfinite(read_point_cloud(path).points).all()
+        except InputError as error:
+            sentences.append(str(error))
+    assert not any("\n" in sentence for sentence in sentences)
+
+
+def mutated(content, chance):
+    """Bytes changed, cut out, doubled or cut off."""
+    data = bytearray(content)
+    for _ in range(chance.randint(1, 8)):
+        at = chance.randrange(len(data)) if data else 0
+        kind = chance.randrange(4)
+        if kind == 0 and data:
+            data[at] = chance.randrange(256)
+        elif kind == 1:
+            del data[at : at + chance.randint(1, 16)]
+        elif kind == 2:
+            data[at:at] = data[at : at + chance.randint(1, 16)]
+        elif chance.random() < 0.2:
+            del data[at:]
+    return bytes(data)
