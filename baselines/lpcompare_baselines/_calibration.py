@@ -10,8 +10,9 @@ import numpy as np
 from lpcompare.geometry.scale import bounding_box_diagonal
 from lpcompare.types import Points
 
-_NARROWEST = 1e-7
-"""Relative width at which a bracket is closed; MeshLab stores lengths as float32."""
+_NARROWEST = 1e-4
+"""Relative width at which a bracket is closed."""
+_GOLDEN = 0.618
 
 _Probe = tuple[float, int]
 
@@ -25,6 +26,9 @@ def search_size(
     max_calls: int = 40,
 ) -> float:
     """Size whose count is nearest to the target: a bracketing secant on the log-log scale.
+
+    Counts of grids and of random draws are not quite monotone. When the bracket has closed on a step over the
+    target, the search goes on by small corrections of uneven length: one of them often gives the target.
 
     Parameters
     ----------
@@ -46,28 +50,30 @@ def search_size(
     lower: _Probe | None = None
     upper: _Probe | None = None
     nearest: tuple[int, float] | None = None
-    x = log(start)
+    x, n_closed = log(start), 0
     for call in range(max_calls):
         n = count(exp(x))
         nearest = min(nearest or (abs(n - target_count), x), (abs(n - target_count), x))
         if nearest[0] <= tolerance:
             break
         lower, upper = ((x, n), upper) if n > target_count else (lower, (x, n))
-        if lower and upper and upper[0] - lower[0] < _NARROWEST:
-            break
-        x = _next(lower, upper, target_count, call)
+        if n_closed or (lower and upper and upper[0] - lower[0] < _NARROWEST):
+            n_closed += 1
+            x += (0.05 + 0.25 * (n_closed * _GOLDEN % 1.0)) * log(max(n, 0.5) / target_count)
+        else:
+            x = _next(lower, upper, target_count, call)
     assert nearest is not None
     return exp(nearest[1])
 
 
 def _next(lower: _Probe | None, upper: _Probe | None, target_count: int, call: int) -> float:
-    """Log of the next size: outwards until the target is bracketed, then the secant and at times the middle."""
+    """Log of the next size: outwards to bracket the target, then the secant, every third time the middle."""
     if lower and upper:
         share = log(lower[1] / target_count) / log(lower[1] / max(upper[1], 0.5))
         share = 0.5 if call % 3 == 2 else min(max(share, 0.02), 0.98)
         return lower[0] + share * (upper[0] - lower[0])
     x, n = lower or upper or (0.0, target_count)
-    # on a surface the count falls with the square of the size; a little more, so that the target is passed
+    # on a surface the count falls with the square of the size; go a little farther, to pass the target
     step = 0.6 * log(max(n, 0.5) / target_count)
     return x + step + (0.02 if n > target_count else -0.02)
 
@@ -78,6 +84,5 @@ def surface_spacing(points: Points, target_count: int) -> float:
     A cloud without extent gives 1.
     """
     x, y, z = np.ptp(points, axis=0)
-    area = x * y + y * z + z * x
-    spacing = float(np.sqrt(area / target_count)) or bounding_box_diagonal(points) / target_count
-    return spacing or 1.0
+    spacing = float(np.sqrt((x * y + y * z + z * x) / target_count))
+    return spacing or bounding_box_diagonal(points) / target_count or 1.0

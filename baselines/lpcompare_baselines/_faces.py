@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpcompare.errors import InputError, NotApplicable
-from lpcompare.types import PointCloud
+from lpcompare.types import Indices, PointCloud, Points
 
 _MOST_CALLS = 12
 
@@ -33,8 +33,8 @@ def faces_of(cloud: PointCloud | None, target_count: int) -> NDArray[np.intp]:
     n_used = len(np.unique(faces))
     if target_count > n_used:
         raise NotApplicable(
-            f"{target_count} points are asked for, but the faces use only {n_used} of the {len(cloud)} points "
-            "and the method loses the others; ask for fewer."
+            f"{target_count} points are asked for, but the faces use only {n_used} of the {len(cloud)} "
+            "points and the method loses the others; ask for fewer."
         )
     return faces
 
@@ -67,3 +67,15 @@ def search_n_faces(count: Callable[[int], int], target_count: int, n_faces: int)
             break
         wanted -= 2 * excess
     return min(misses, key=misses.__getitem__)
+
+
+def rows_at(points: Points, kept: Points) -> Indices:
+    """Rows of ``points`` (n, 3) at the positions of ``kept`` (m, 3), ascending.
+
+    Where several rows share a position, as many of them are named as it was kept times.
+    """
+    _, place = np.unique(np.concatenate([points, kept]), axis=0, return_inverse=True)
+    places, wanted = place.ravel()[: len(points)], np.sort(place.ravel()[len(points) :])
+    order = np.argsort(places, kind="stable")
+    repeat = np.arange(len(wanted)) - np.searchsorted(wanted, wanted)
+    return np.sort(order[np.searchsorted(places[order], wanted) + repeat])

@@ -1,7 +1,6 @@
 """MeshLab's filters on clean points only, asked which rows they kept.
 
-What reaches a filter unguarded can hang or kill the process: such input is declined here. MeshLab has one
-random generator per process and no way to seed it, so draws are repeatable only in a fresh process.
+What reaches a filter unguarded can hang or kill the process: such input is declined here.
 """
 
 from __future__ import annotations
@@ -17,8 +16,6 @@ from lpcompare.mesh_library import pymeshlab
 from lpcompare.types import Indices, Points
 
 ml = pymeshlab()
-
-_LARGEST_SKIP = 8192
 
 
 def check(points: Points, target_count: int) -> None:
@@ -47,21 +44,20 @@ def check_distinct(points: Points, target_count: int) -> None:
         )
 
 
+def centred(points: Points) -> Points:
+    """The points about the centre of their bounding box: MeshLab holds lengths in single precision."""
+    return points - bounding_box_center(points)
+
+
 def mesh_set(points: Points, faces: NDArray[np.intp] | None = None) -> Any:
-    """A MeshSet of one layer, centred for MeshLab's single-precision lengths; the scalar is the row number."""
+    """A MeshSet of one layer: the centred points, each with its row number as its scalar."""
     extra = {} if faces is None else {"face_matrix": faces}
     rows = np.arange(len(points), dtype=float)
     meshes = ml.MeshSet()
-    meshes.add_mesh(ml.Mesh(points - bounding_box_center(points), v_scalar_array=rows, **extra))
+    meshes.add_mesh(ml.Mesh(centred(points), v_scalar_array=rows, **extra))
     return meshes
 
 
 def rows_of(meshes: Any) -> Indices:
     """Rows of the input that the current layer holds, ascending; the scalar carries them through a filter."""
     return np.sort(meshes.current_mesh().vertex_scalar_array().astype(np.intp))
-
-
-def advance_generator(rng: np.random.Generator) -> None:
-    """Move MeshLab's generator on by a number of draws taken from ``rng``: a dummy sample is shuffled."""
-    meshes = mesh_set(np.zeros((int(rng.integers(1, _LARGEST_SKIP)), 3)))
-    meshes.generate_sampling_element(sampling="Vertex", samplenum=1)

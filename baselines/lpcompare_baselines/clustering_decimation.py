@@ -1,7 +1,8 @@
 """Clustering decimation by MeshLab: each grid cell's points become their mean.
 
-Rossignac and Borrel: a regular grid is laid over the cloud and every occupied cell becomes one point. The
-faces, if the cloud has any, are not used, so that the method stands with those on points alone.
+A regular grid is laid over the cloud and every occupied cell becomes one point; the cell size is searched
+outside the clock. Faces are not used, so that the method stands with those on points alone: with them MeshLab
+weighs the points by their faces.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from lpcompare.geometry.scale import bounding_box_center
 from lpcompare.types import Points, Simplification, Traits
 from lpcompare_baselines._calibration import search_size, surface_spacing
 from lpcompare_baselines._cells import meshlab_cells, n_occupied
-from lpcompare_baselines._meshlab import check, mesh_set, ml
+from lpcompare_baselines._meshlab import centred, check, mesh_set, ml
 
 TRAITS = Traits(
     wraps="pymeshlab meshing_decimation_clustering",
@@ -27,8 +28,8 @@ TRAITS = Traits(
 def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) -> dict[str, float]:
     """Cell size, in model units, with the number of occupied cells nearest to ``target_count``."""
     check(points, target_count)
-    start = surface_spacing(points, target_count)
-    return {"cell_size": search_size(lambda c: n_occupied(meshlab_cells(points, c)), target_count, start)}
+    start, moved = surface_spacing(points, target_count), centred(points)
+    return {"cell_size": search_size(lambda c: n_occupied(meshlab_cells(moved, c)), target_count, start)}
 
 
 def clustering_decimation(

@@ -7,11 +7,14 @@ asked for; the search here is outside the clock and ends nearer.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
-from lpcompare.types import Points, Simplification, Traits
-from lpcompare_baselines._calibration import search_size, surface_spacing
-from lpcompare_baselines._meshlab import advance_generator, check, check_distinct, mesh_set, ml, rows_of
+from lpcompare.types import Indices, Points, Simplification, Traits
+from lpcompare_baselines._calibration import surface_spacing
+from lpcompare_baselines._draws import draw_skip, search_draw, skip_draws
+from lpcompare_baselines._meshlab import check, check_distinct, mesh_set, ml, rows_of
 
 TRAITS = Traits(
     wraps="pymeshlab generate_sampling_poisson_disk (subsample)",
@@ -21,12 +24,9 @@ TRAITS = Traits(
     exact_count=False,
 )
 
-_NEAR_ENOUGH = 0.0005
-"""Share of the count: about the spread between two draws at one radius."""
 
-
-def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) -> dict[str, float]:
-    """Radius, in model units, that gives about ``target_count`` points.
+def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) -> dict[str, Any]:
+    """Draws to skip, and radius in model units at which the draw after them has ``target_count`` points.
 
     Raises
     ------
@@ -35,17 +35,18 @@ def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) ->
     """
     check(points, target_count)
     check_distinct(points, target_count)
-    radius = search_size(
-        lambda size: len(_sample(points, size)),
-        target_count,
-        surface_spacing(points, target_count),
-        tolerance=int(_NEAR_ENOUGH * target_count),
-    )
-    return {"radius": radius}
+    start = surface_spacing(points, target_count)
+    draw = search_draw(lambda size, skip: _sample(points, size, skip), target_count, start, rng)
+    return {"radius": draw.size, "n_skipped": draw.n_skipped}
 
 
 def poisson_disk(
-    points: Points, target_count: int, *, rng: np.random.Generator, radius: float | None = None
+    points: Points,
+    target_count: int,
+    *,
+    rng: np.random.Generator,
+    radius: float | None = None,
+    n_skipped: int | None = None,
 ) -> Simplification:
     """Keep a maximal set of points that are ``radius`` apart.
 
@@ -55,9 +56,11 @@ def poisson_disk(
     target_count : int
         From 1 to the number of distinct points.
     rng : numpy.random.Generator
-        Moves MeshLab's generator on; in a fresh process the same seed gives the same points.
+        Draws ``n_skipped``; in a fresh process the same seed gives the same points.
     radius : float, optional
         In model units; by default the one that `calibrate` finds.
+    n_skipped : int, optional
+        Random numbers of MeshLab's to skip.
 
     Returns
     -------
@@ -71,13 +74,13 @@ def poisson_disk(
     """
     check(points, target_count)
     if radius is None:
-        radius = calibrate(points, target_count, rng=rng)["radius"]
-    advance_generator(rng)
-    indices = _sample(points, radius)
+        return poisson_disk(points, target_count, rng=rng, **calibrate(points, target_count, rng=rng))
+    indices = _sample(points, radius, draw_skip(rng) if n_skipped is None else n_skipped)
     return Simplification(points[indices], indices)
 
 
-def _sample(points: Points, radius: float):
+def _sample(points: Points, radius: float, n_skipped: int) -> Indices:
+    skip_draws(n_skipped)
     meshes = mesh_set(points)
     meshes.generate_sampling_poisson_disk(subsample=True, radius=ml.PureValue(radius))
     return rows_of(meshes)

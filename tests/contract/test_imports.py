@@ -13,7 +13,7 @@ ALLOWED = {
     "geometry": CORE,
     "mesh_library": CORE,
     "io": CORE | {"mesh_library"},
-    "lp": CORE | {"geometry"},
+    "lp": CORE | {"geometry", "refinement"},
     "refinement": CORE | {"geometry"},
     "methods": CORE | {"geometry", "lp", "refinement"},
     "baselines": CORE | {"mesh_library", "geometry"},
@@ -23,6 +23,7 @@ ALLOWED = {
     "registry": CORE,
     "harness": CORE | {"geometry", "io", "registry", "models", "comparison", "refinement"},
     "report": CORE | {"mesh_library", "geometry", "comparison", "registry", "harness"},
+    "reproduction": CORE | {"geometry", "lp", "comparison", "registry", "models", "harness", "report"},
     "meshlab": CORE | {"mesh_library", "geometry", "lp", "comparison"},
 }
 

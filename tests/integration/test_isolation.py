@@ -11,7 +11,10 @@ from lpcompare.harness.record import load_run
 
 NAUGHTY = {
     "hangs": ("timeout", "Killed in the warm-up after 3 s, the time limit."),
-    "aborts": ("failed", "The process crashed with SIGABRT in the warm-up. Last output: assertion failed: n > 0"),
+    "aborts": (
+        "failed",
+        "The process crashed with SIGABRT in the warm-up. Last output: assertion failed: n > 0",
+    ),
     "crashes": ("failed", "The process crashed with SIGSEGV in the warm-up."),
     "eats_memory": ("failed", "Out of memory (limit 1024 MiB)"),
     "writes_to_stdout": ("ok", ""),

@@ -4,73 +4,152 @@ from __future__ import annotations
 
 from datetime import datetime
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from lpcompare.harness.estimate import Estimate
+    from lpcompare.harness.plan import Plan
+    from lpcompare.types import PointCloud
+
+EXIT_STOPPED = 130
 Many = list[str] | None
 
 
 def command(
     *,
-    model: Annotated[
-        Many, typer.Option("--model", help="A model's name, or a file. May be repeated.")
-    ] = None,
-    method: Annotated[Many, typer.Option("--method", help="Default: all that are installed.")] = None,
+    model: Annotated[Many, typer.Option("--model", help="A name, or a file. May be repeated.")] = None,
+    method: Annotated[Many, typer.Option("--method", help="May be repeated. Default: all installed.")] = None,
     reduction: Annotated[
         list[float] | None, typer.Option("--reduction", help="Share removed. Default: 0.7, 0.8, 0.9.")
     ] = None,
-    repeats: Annotated[int, typer.Option(help="Runs of each case, interleaved over the methods.")] = 1,
-    seed: Annotated[int, typer.Option(help="Seed of every random draw.")] = 0,
+    repeats: Annotated[int | None, typer.Option(help="Runs of each case, interleaved. Default: 1.")] = None,
+    seed: Annotated[list[int] | None, typer.Option("--seed", help="May be repeated. Default: 0.")] = None,
     assignments: Annotated[
         Many, typer.Option("--set", metavar="METHOD.NAME=VALUE", help="A setting of a method.")
     ] = None,
     metric: Annotated[
-        Many, typer.Option("--metric", help="A slow metric to add to the quick ones, or 'all'.")
+        Many, typer.Option("--metric", help="A slow metric beside the quick ones, or 'all'.")
     ] = None,
-    refine: Annotated[bool, typer.Option("--refine", help="Refine every result that is a subset.")] = False,
+    study: Annotated[
+        str, typer.Option(help="A TOML file, or: smoke, default, paper, robustness, clusters, scaling.")
+    ] = "",
+    protocol: Annotated[str | None, typer.Option(help="equal-count (default) or as-printed.")] = None,
+    refine: Annotated[
+        bool | None, typer.Option("--refine", help="Refine every result that is a subset.")
+    ] = None,
     out: Annotated[
-        Path | None, typer.Option(help="Folder of the run. Default: reports/local/<time>-<model>.")
+        Path | None, typer.Option(help="Folder of the run. Default: reports/local/<time>-<name>.")
     ] = None,
-    time_limit: Annotated[float, typer.Option(help="Seconds after which a case is killed.")] = 300.0,
+    time_limit: Annotated[float | None, typer.Option(help="Seconds of a case. Default: 300.")] = None,
     memory_limit: Annotated[
-        int | None, typer.Option(help="MiB that a case may use. Default: three quarters of the machine's.")
+        int | None, typer.Option(help="MiB of a case. Default: three quarters of the machine's.")
     ] = None,
     threads: Annotated[int | None, typer.Option(help="Threads of a case. Default: all processors.")] = None,
-    resume: Annotated[bool, typer.Option("--resume", help="Continue the run in --out.")] = False,
+    jobs: Annotated[int, typer.Option(help="Cases at once; above 1 the runtimes are unreliable.")] = 1,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Continue the run in --out; finished cases are kept.")
+    ] = False,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="Print the plan and stop.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress.")] = False,
 ) -> None:
     """Run methods side by side and print their errors and runtimes."""
     from lpcompare.errors import InputError
-    from lpcompare.geometry.threads import thread_count
-    from lpcompare.harness.environment import physical_memory_mib
     from lpcompare.harness.inputs import load_models
-    from lpcompare.harness.plan import Plan, Variant, check_names, choose_metrics, default_methods
-    from lpcompare.harness.runner import run_plan
+
+    if resume and out is None:
+        raise InputError("--resume continues a run; say which one with --out.")
+    flags = {
+        "models": model,
+        "methods": method,
+        "reductions": reduction,
+        "seeds": seed,
+        "repeats": repeats,
+        "metrics": metric,
+        "protocol": protocol,
+        "refine": refine,
+        "time_limit_s": time_limit,
+    }
+    machine = {"memory_limit_mib": memory_limit, "threads": threads, "jobs": jobs}
+    plan = _plan(study, flags, assignments or [], machine)
+    models = load_models(plan.models)
+    name = Path(study).stem or "-".join(cloud.name for cloud in models.values())
+    folder = out or Path("reports/local") / f"{datetime.now():%Y%m%d-%H%M%S}-{name}"
+    if dry_run:
+        typer.echo(_description(plan, models))
+    else:
+        _run(plan, models, folder, resume=resume, quiet=quiet)
+
+
+def _plan(study: str, flags: dict[str, Any], assignments: list[str], machine: dict[str, int | None]) -> Plan:
+    """The plan: flags go before the study, the study before the defaults."""
+    from lpcompare.errors import InputError
+    from lpcompare.harness.plan import default_methods
     from lpcompare.harness.settings import parse_assignments
+    from lpcompare.harness.study import build_plan, read_study
+
+    fields = read_study(study) if study else {}
+    settings = fields.pop("settings", {})
+    if flags["methods"]:
+        settings = {name: chosen for name, chosen in settings.items() if name in flags["methods"]}
+    fields |= {name: value for name, value in flags.items() if value not in (None, [])}
+    if not fields.get("models"):
+        raise InputError("No model is named; say for example --model bunny.")
+    for name, chosen in parse_assignments(assignments, fields.get("methods") or default_methods()).items():
+        settings[name] = {**settings.get(name, {}), **chosen}
+    return build_plan(fields | {"settings": settings}, **machine)
+
+
+def _run(plan: Plan, models: Mapping[str, PointCloud], folder: Path, *, resume: bool, quiet: bool) -> None:
+    from lpcompare.cli._progress import RunProgress, shows_progress
+    from lpcompare.harness.estimate import Estimate
+    from lpcompare.harness.runner import run_plan
     from lpcompare.report.table import format_run
 
-    if not model:
-        raise InputError("No model is named; say for example --model bunny.")
-    methods = tuple(method or default_methods())
-    check_names(methods, ())
-    chosen = parse_assignments(assignments or (), methods)
-    plan = Plan(
-        models=tuple(model),
-        variants=tuple(Variant(name, chosen.get(name, {})) for name in methods),
-        reductions=tuple(reduction or Plan.reductions),
-        seeds=(seed,),
-        repeats=repeats,
-        metrics=choose_metrics(tuple(metric or ())),
-        refine=refine,
-        time_limit_s=time_limit,
-        memory_limit_mib=memory_limit or physical_memory_mib() * 3 // 4,
-        threads=threads or thread_count(),
-    )
-    plan.check()
-    clouds = load_models(plan.models)
-    titles = "-".join(cloud.name for cloud in clouds.values())
-    folder = out or Path("reports/local") / f"{datetime.now():%Y%m%d-%H%M%S}-{titles}"
-    run = run_plan(plan, clouds, folder, resume=resume)
+    estimate = Estimate({name: len(cloud) for name, cloud in models.items()}, plan.jobs)
+    shown = shows_progress(quiet)
+    if shown:
+        typer.echo(_size(plan, estimate), err=True)
+    try:
+        with RunProgress(list(plan.cases()), estimate, shown=shown) as progress:
+            run = run_plan(plan, models, folder, resume=resume, listener=progress)
+    except KeyboardInterrupt:
+        typer.echo(f"\nStopped. Continue with the same command and --resume --out {folder}", err=True)
+        raise typer.Exit(EXIT_STOPPED) from None
     typer.echo(format_run(run))
     typer.echo(f"\nThe run is in {folder}.")
+
+
+def _size(plan: Plan, estimate: Estimate) -> str:
+    from lpcompare.harness.estimate import duration
+
+    return f"{len(plan)} cases, about {duration(estimate.remaining_s(plan.cases()))}"
+
+
+def _description(plan: Plan, models: Mapping[str, PointCloud]) -> str:
+    """The plan in words, for --dry-run."""
+    from lpcompare.harness.estimate import Estimate
+    from lpcompare.harness.plan import target_count
+    from lpcompare.registry import METHODS
+
+    lines = [
+        _size(plan, Estimate({name: len(cloud) for name, cloud in models.items()}, plan.jobs)),
+        "",
+        "models:",
+    ]
+    for cloud in models.values():
+        counts = ", ".join(
+            f"{target_count(len(cloud), r):,} ({100 * r:g} % removed)" for r in plan.reductions
+        )
+        lines.append(f"  {cloud.name}: {counts} of {len(cloud):,} points")
+    lines.append("methods:")
+    lines += [f"  {v.label}  {METHODS.missing(v.method)}".rstrip() for v in plan.variants]
+    if len(plan.perturbations) > 1:
+        lines.append("input: " + ", ".join(p.label or "clean" for p in plan.perturbations))
+    seeds = ", ".join(map(str, plan.seeds))
+    lines.append(f"protocol {plan.protocol}, seeds {seeds}, {plan.repeats} repeats, {plan.threads} threads")
+    lines.append(f"metrics: {', '.join(plan.metrics)}")
+    return "\n".join(lines)

@@ -10,7 +10,7 @@ import sys
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 _THREAD_VARIABLES = (
     "LPCOMPARE_THREADS",
@@ -30,38 +30,68 @@ def thread_environment(threads: int) -> dict[str, str]:
     return dict.fromkeys(_THREAD_VARIABLES, str(threads))
 
 
-def run_case(request: Mapping[str, Any], folder: Path) -> dict[str, Any]:
-    """Run one case in a child process and return the fields of its record that the child decides.
+class Stopped(Exception):  # noqa: N818 - an order, not a fault
+    """The run was stopped while a case was going on; the case has no record."""
 
-    Parameters
-    ----------
-    request : mapping
-        What `lpcompare.harness.worker` is asked to do, with ``time_limit_s`` and ``threads``.
-    folder : Path
-        An empty folder for the exchange of files with the child.
 
-    Returns
-    -------
-    dict
-        At least ``status`` and ``message``.
-    """
-    (folder / "request.json").write_text(json.dumps(request), encoding="utf-8")
-    with (folder / "stderr.txt").open("wb") as stderr:
-        child = subprocess.Popen(
-            [sys.executable, "-P", "-m", "lpcompare.harness.worker", str(folder)],
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            stderr=stderr,
-            env=os.environ | thread_environment(request["threads"]) | {"PYTHONHASHSEED": "0"},
-            start_new_session=True,
-        )
-        try:
-            code = child.wait(request["time_limit_s"])
-        except subprocess.TimeoutExpired:
-            code = None
-        finally:
+class Children:
+    """The child processes that are alive, so that all of them can be ended at once."""
+
+    def __init__(self) -> None:
+        self._alive: set[subprocess.Popen[bytes]] = set()
+        self._stopped = False
+
+    def run(self, request: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+        """Run one case in a child process and return the fields of its record that the child decides.
+
+        Parameters
+        ----------
+        request : mapping
+            What `lpcompare.harness.worker` is asked to do, with ``time_limit_s`` and ``threads``.
+        folder : Path
+            An empty folder for the exchange of files with the child.
+
+        Returns
+        -------
+        dict
+            At least ``status`` and ``message``.
+
+        Raises
+        ------
+        Stopped
+            `stop` was called meanwhile.
+        """
+        (folder / "request.json").write_text(json.dumps(request), encoding="utf-8")
+        with (folder / "stderr.txt").open("wb") as stderr:
+            child = _start(folder, request["threads"], stderr)
+            self._alive.add(child)
+            try:
+                code = child.wait(request["time_limit_s"])
+            except subprocess.TimeoutExpired:
+                code = None
+            finally:
+                _kill_group(child)
+                self._alive.discard(child)
+        if self._stopped:
+            raise Stopped
+        return _reply(folder, code, request)
+
+    def stop(self) -> None:
+        """End every child; their cases raise `Stopped`."""
+        self._stopped = True
+        for child in tuple(self._alive):
             _kill_group(child)
-    return _reply(folder, code, request)
+
+
+def _start(folder: Path, threads: int, stderr: BinaryIO) -> subprocess.Popen[bytes]:
+    return subprocess.Popen(
+        [sys.executable, "-P", "-m", "lpcompare.harness.worker", str(folder)],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        stderr=stderr,
+        env=os.environ | thread_environment(threads) | {"PYTHONHASHSEED": "0"},
+        start_new_session=True,
+    )
 
 
 def _kill_group(child: subprocess.Popen[bytes]) -> None:

@@ -12,7 +12,7 @@ from typing import Any
 import lpcompare
 from lpcompare.registry import METHODS, METRICS
 
-_SHARED = ("types.py", "comparison.py", "refinement.py", "geometry/*.py", "lp/*.py")
+_SHARED = ("types.py", "comparison.py", "mesh_library.py", "geometry/*.py", "lp/*.py", "refinement/*.py")
 
 
 def case_key(method: str, metrics: Iterable[str], facts: Mapping[str, Any]) -> str:

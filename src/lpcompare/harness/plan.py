@@ -20,7 +20,7 @@ class Variant:
     """A method with the settings that differ from its defaults."""
 
     method: str
-    settings: Mapping[str, Any] = field(default_factory=dict)
+    settings: Mapping[str, Any] = field(default_factory=dict, hash=False)
 
     @property
     def label(self) -> str:
@@ -132,6 +132,8 @@ class Plan:
         for what, number in (("repeats", self.repeats), ("threads", self.threads), ("jobs", self.jobs)):
             if number < 1:
                 raise InputError(f"The number of {what} is {number}; it must be at least 1.")
+        for perturbation in self.perturbations:
+            perturbation.check()
         for seed in self.seeds:
             if seed < 0:
                 raise InputError(f"The seed is {seed}; it must be 0 or more.")
@@ -145,6 +147,8 @@ class Plan:
             ("models", self.models),
             ("methods", self.variants),
             ("reductions", self.reductions),
+            ("seeds", self.seeds),
+            ("perturbations", self.perturbations),
         ):
             if not names:
                 raise InputError(f"The plan has no {what}; name at least one.")

@@ -5,24 +5,36 @@ from __future__ import annotations
 import hashlib
 import os
 import shutil
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
+from threading import Lock
+from typing import Protocol
 
 from lpcompare.errors import InputError
-from lpcompare.harness.child import run_case
+from lpcompare.harness.child import Children
 from lpcompare.harness.environment import capture, package_versions
 from lpcompare.harness.inputs import Input, file_name, write_input
 from lpcompare.harness.keys import case_key
-from lpcompare.harness.perturbation import CLEAN
+from lpcompare.harness.perturbation import CLEAN, perturb
 from lpcompare.harness.plan import REFERENCE, Case, Plan, target_count
 from lpcompare.harness.record import Record, Run, load_run
 from lpcompare.harness.store import RunFolder
 from lpcompare.registry import METHODS
 from lpcompare.types import PointCloud
 
-Listener = Callable[[Case, Record | None], None]
+
+class Listener(Protocol):
+    """Told of each case before it starts (no record) and after it has ended, or was taken over."""
+
+    def __call__(self, case: Case, record: Record | None, *, reused: bool = False) -> None:
+        """Take note."""
+        ...
+
+
+def silent(case: Case, record: Record | None, *, reused: bool = False) -> None:
+    """Take no note."""
 
 
 def run_plan(
@@ -31,7 +43,7 @@ def run_plan(
     folder: Path,
     *,
     resume: bool = False,
-    listener: Listener = lambda case, record: None,
+    listener: Listener = silent,
 ) -> Run:
     """Run every case of a plan and keep the run in a folder.
 
@@ -45,8 +57,7 @@ def run_plan(
         Where run.json, records.csv and clouds/ go.
     resume : bool
         Take over the records of an earlier start in this folder whose keys are the same.
-    listener : callable
-        Told of each case before it starts (record None) and after it has ended.
+    listener : Listener
 
     Returns
     -------
@@ -88,11 +99,13 @@ class _Runner:
         self.inputs: dict[tuple[object, ...], Input] = {}
         self.reached: dict[tuple[object, ...], int] = {}
         self.done: dict[int, Record] = {}
+        self.lock = Lock()
         self.cases = list(plan.cases())
         self.versions = {v.method: package_versions([v.method]) for v in plan.variants}
         for case in self.cases:
             self._input(case)
-        store.begin(self._head(), ())
+        self.children = Children()
+        store.begin(self._head(), earlier.values())
 
     def run(self, listener: Listener) -> None:
         """Run the cases in order; with several jobs, that many at a time."""
@@ -105,11 +118,17 @@ class _Runner:
             try:
                 list(pool.map(lambda number: self._step(number, listener), group))
             finally:
-                pool.shutdown(wait=True, cancel_futures=True)
+                pool.shutdown(wait=False, cancel_futures=True)
+                self.children.stop()
+                pool.shutdown(wait=True)
 
     def end(self, *, complete: bool) -> None:
-        """Write what there is."""
-        self.store.end([self.done[n] for n in sorted(self.done)], complete=complete)
+        """Write what there is; of a run that was stopped, also what an earlier start had finished."""
+        records = [self.done[n] for n in sorted(self.done)]
+        if not complete:
+            keys = {record.key for record in records}
+            records += [record for key, record in self.earlier.items() if key not in keys]
+        self.store.end(records, complete=complete)
 
     def _groups(self) -> Iterator[list[int]]:
         """Under as-printed the reference's cases come before those that take their counts from it."""
@@ -121,24 +140,26 @@ class _Runner:
             yield list(numbers)
 
     def _step(self, number: int, listener: Listener) -> None:
+        """One case: taken over from an earlier start, or run now and put on disk."""
         case = self.cases[number]
         listener(case, None)
-        record = self._record(case)
-        self.done[number] = record
-        self.store.append(record)
-        listener(case, record)
-
-    def _record(self, case: Case) -> Record:
-        """The record of a case: taken over from an earlier start, or made now."""
         blank = self._blank(case)
-        kept = self.earlier.get(blank.key)
-        if kept is not None and (not kept.cloud or (self.store.path / kept.cloud).exists()):
-            record = kept
-        else:
+        record = self._kept(blank)
+        if record is None:
             record = self._compute(case, blank)
-        if case.variant.method == REFERENCE and record.n_output:
-            self.reached.setdefault(_group(case), record.n_output)
-        return record
+            with self.lock:
+                self.store.append(record)
+        with self.lock:
+            self.done[number] = record
+            if case.variant.method == REFERENCE and record.n_output:
+                self.reached.setdefault(_group(case), record.n_output)
+            listener(case, record, reused=record.key in self.earlier)
+
+    def _kept(self, blank: Record) -> Record | None:
+        """The record of an earlier start, if its cloud is still there."""
+        kept = self.earlier.get(blank.key)
+        lost = kept is not None and kept.cloud and not (self.store.path / kept.cloud).exists()
+        return None if lost else kept
 
     def _blank(self, case: Case) -> Record:
         """The record of a case before it is run."""
@@ -209,7 +230,7 @@ class _Runner:
             "memory_limit_mib": self.plan.memory_limit_mib,
             "threads": self.plan.threads,
         }
-        record = Record.from_dict(blank.to_dict() | run_case(request, folder.resolve()))
+        record = Record.from_dict(blank.to_dict() | self.children.run(request, folder.resolve()))
         if result is None or not result.exists():
             return record
         kept = self.store.clouds / f"{_cloud_name(case, record)}.npz"
@@ -217,10 +238,14 @@ class _Runner:
         return replace(record, cloud=f"clouds/{kept.name}")
 
     def _input(self, case: Case) -> Input:
-        """The cloud that a case is given; perturbed ones are made when they are first asked for."""
+        """The cloud that a case is given; damaged ones are made once per seed."""
         if case.perturbation == CLEAN:
             return self.clean[case.model]
-        raise InputError(f"There is no perturbation {case.perturbation.kind!r}.")
+        key = (case.model, case.perturbation, case.seed)
+        if key not in self.inputs:
+            damaged = perturb(self.models[case.model], case.perturbation, case.seed)
+            self.inputs[key] = write_input(self.store.clouds, damaged, case.perturbation, case.seed)
+        return self.inputs[key]
 
     def _head(self) -> dict[str, object]:
         methods = [variant.method for variant in self.plan.variants]

@@ -25,7 +25,7 @@ from lpcompare.harness.clouds import load_cloud, save_arrays
 from lpcompare.harness.limits import die_with_parent, limit_memory, peak_memory_mib
 from lpcompare.harness.verdict import fault
 from lpcompare.registry import METHODS, METRICS
-from lpcompare.types import PointCloud, Simplification
+from lpcompare.types import Indices, PointCloud, Simplification
 
 _SCALARS = (bool, int, float, str)
 
@@ -145,18 +145,18 @@ def _simplify(request: dict[str, Any], reply: Reply) -> Simplification | None:
         reply.write(status="failed", message=wrong)
         return None
     if request["refine"] and result.indices is not None:
-        result = _refine(before, result, reply)
+        result = _refine(before, result, result.indices, reply)
     reply.write(**_facts(result))
     return result
 
 
-def _refine(cloud: PointCloud, result: Simplification, reply: Reply) -> Simplification:
+def _refine(cloud: PointCloud, result: Simplification, rows: Indices, reply: Reply) -> Simplification:
     """Exchange points of a subset by `lpcompare.refinement`; its seconds count as runtime."""
     from lpcompare.harness.timing import timed
     from lpcompare.refinement import refine
 
     reply.stage("the refinement")
-    indices, seconds = timed(lambda: refine(cloud.points, result.indices))
+    indices, seconds = timed(lambda: refine(cloud.points, rows))
     reply.fields |= {"refined": True, "runtime_s": reply.fields["runtime_s"] + seconds}
     timings = {**result.timings, "refine": seconds}
     return Simplification(cloud.points[indices], indices, timings, result.info)

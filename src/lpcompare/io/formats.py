@@ -102,14 +102,30 @@ def keep_rows(source: str | os.PathLike[str], target: str | os.PathLike[str], ro
             _module(family).keep_rows(source, part, rows)
 
 
+def same_format(source: str | os.PathLike[str], target: str | os.PathLike[str]) -> bool:
+    """Whether `keep_rows` can copy one file to the other."""
+    return _family(Path(source)) == _FAMILY.get(Path(target).suffix.lower())
+
+
+def left_out(path: str | os.PathLike[str], cloud: PointCloud) -> tuple[str, ...]:
+    """What of a cloud the format of ``path`` cannot hold: "normals", "colors", "attributes", "faces"."""
+    holds = _module(_writable(Path(path))).HOLDS
+    parts = ("normals", "colors", "attributes", "faces")
+    return tuple(part for part in parts if _has(cloud, part) and part not in holds)
+
+
+def check_target(path: str | os.PathLike[str]) -> None:
+    """Raise an `InputError` now if ``path`` could not be written later."""
+    _writable(Path(path))
+    target = _real_target(Path(path))
+    if not os.access(target.parent, os.W_OK | os.X_OK):
+        raise InputError(f"The folder {Path(path).parent} cannot be written to; name another.")
+
+
 @contextmanager
 def beside(path: Path) -> Iterator[Path]:
     """A file in the same folder that takes the name ``path`` once the block has ended well."""
-    target = Path(os.path.realpath(path))
-    if target.exists() and not target.is_file():
-        raise InputError(f"{path} is not a file; name a file to write.")
-    if not target.parent.is_dir():
-        raise InputError(f"The folder {path.parent} does not exist; create it or name another.")
+    target = _real_target(path)
     part = target.with_name(f".{target.stem}.{os.getpid()}{target.suffix}")
     try:
         yield part
@@ -140,6 +156,21 @@ def _check_source(path: Path) -> None:
         raise InputError(f"{path} is a folder; name a file.")
     if path.stat().st_size == 0 and path.is_file():
         raise InputError(f"{path} is empty (0 bytes); export it again.")
+
+
+def _real_target(path: Path) -> Path:
+    """The file behind the links; it or its folder must be able to take a file's place."""
+    target = Path(os.path.realpath(path))
+    if target.exists() and not target.is_file():
+        raise InputError(f"{path} is not a file; name a file to write.")
+    if not target.parent.is_dir():
+        raise InputError(f"The folder {path.parent} does not exist; create it or name another.")
+    return target
+
+
+def _has(cloud: PointCloud, part: str) -> bool:
+    value = getattr(cloud, part)
+    return bool(value) if part == "attributes" else value is not None
 
 
 def _module(family: str) -> ModuleType:

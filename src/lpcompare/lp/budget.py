@@ -34,23 +34,22 @@ def allocate_budget(total: int, sizes: Indices) -> Indices:
     return shares.astype(np.intp)
 
 
-def split_budget(n_keep: int, n_features: int, n_others: int, feature_share: float) -> tuple[int, int]:
-    """Divide a cluster's budget between its feature points and its other points.
+def split_budget(budget: Indices, n_features: Indices, feature_share: float) -> tuple[Indices, Indices]:
+    """Divide each cluster's budget between its feature points and its programme.
 
     Parameters
     ----------
-    n_keep : int
-        Points that the cluster keeps.
-    n_features, n_others : int
-        Its feature points and the rest.
+    budget : ndarray of int, shape (K,)
+        Points that each cluster keeps.
+    n_features : ndarray of int, shape (K,)
+        Feature points of each cluster.
     feature_share : float
         Features come first until they fill this share of the budget.
 
     Returns
     -------
-    features, others : int
-        They sum to ``n_keep``; features take more than their share only where the others run out.
+    features, chosen : ndarray of int, shape (K,)
+        They sum to ``budget``.
     """
-    features = min(n_features, int(np.floor(round(feature_share * n_keep, 9))))
-    features = max(features, n_keep - n_others)
-    return features, n_keep - features
+    features = np.minimum(n_features, np.floor(np.round(feature_share * budget, 9)).astype(np.intp))
+    return features, budget - features

@@ -53,7 +53,8 @@ def check_target(n_points: int, target_reduction: float | None, target_count: in
     """
     if (target_reduction is None) == (target_count is None):
         raise InputError(
-            f"Give exactly one of target_reduction (got {target_reduction}) and target_count (got {target_count})."
+            f"Give exactly one of target_reduction (got {target_reduction}) "
+            f"and target_count (got {target_count})."
         )
     if target_count is not None:
         return check_integer("target_count", target_count, 1, n_points)
@@ -68,9 +69,10 @@ def check_integer(name: str, value: object, low: int, high: int | None = None) -
     allowed = f"an integer from {low} to {high}" if high is not None else f"an integer of at least {low}"
     if isinstance(value, bool) or not isinstance(value, numbers.Integral):
         raise InputError(f"{name} is {value!r}; give {allowed}.")
-    if value < low or (high is not None and value > high):
+    number = int(value)
+    if number < low or (high is not None and number > high):
         raise InputError(f"{name} is {value}; give {allowed}.")
-    return int(value)
+    return number
 
 
 def check_number(name: str, value: object, low: float, high: float = np.inf) -> float:
@@ -91,7 +93,7 @@ def check_choice(name: str, value: object, allowed: Iterable[str]) -> str:
 
 
 def check_solver(name: object) -> str:
-    """ "highs", "highs-cold", or a mixed-integer solver that cvxpy finds installed."""
+    """Return "highs", "highs-cold", or a mixed-integer solver that cvxpy finds installed."""
     if name in ("highs", "highs-cold"):
         return str(name)
     import cvxpy as cp

@@ -11,6 +11,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from sklearn.cluster import KMeans
+from sklearn.metrics import pairwise_distances_argmin
 from threadpoolctl import threadpool_limits
 
 from lpcompare.geometry.threads import Progress, map_in_threads
@@ -58,7 +60,7 @@ class Mixture:
         return len(self.weights)
 
     def responsibilities(self, points: Points) -> NDArray[np.float64]:
-        """Membership probabilities P(c | x_i) of eq. 1, shape (n, K), for points (n, 3) in the fit's units."""
+        """Membership probabilities P(c | x_i) of eq. 1 for points (n, 3) in the fit's units: (n, K)."""
         logits = _features(points) @ _log_density_coefficients(self)
         densities = np.exp(logits - logits.max(axis=1, keepdims=True))
         return densities / densities.sum(axis=1, keepdims=True)
@@ -66,6 +68,15 @@ class Mixture:
     def in_units(self, center: Vector, scale: float) -> Mixture:
         """The same mixture for points that were multiplied by ``scale`` and moved by ``center``."""
         return replace(self, means=self.means * scale + center, covariances=self.covariances * scale**2)
+
+
+@dataclass(frozen=True)
+class _Rule:
+    """When the iteration ends, and what is added to each variance."""
+
+    tolerance: float
+    max_iterations: int
+    regularization: float
 
 
 def cluster_points(
@@ -108,15 +119,11 @@ def cluster_points(
         In the units of ``points``. A component may own no point.
     """
     rows = _fitted_rows(len(points), fit_limit, rng)
-    sample = points if rows is None else points[rows]
-    with threadpool_limits(1, user_api="blas"):
-        if start is None:
-            labels = start_labels(sample, n_clusters, rng)
-        else:
-            labels = start if rows is None else start[rows]
-        mixture = _expectation_maximization(
-            sample, labels, tolerance, max_iterations, regularization, progress
-        )
+    # one thread inside each of ours: faster, and the same sums on any machine
+    with threadpool_limits(1):
+        labels = start_labels(points[rows], n_clusters, rng) if start is None else start[rows]
+        rule = _Rule(tolerance, max_iterations, regularization)
+        mixture = _expectation_maximization(_features(points[rows]), labels, rule, progress)
         return replace(mixture, labels=assign(points, mixture))
 
 
@@ -131,43 +138,31 @@ def assign(points: Points, mixture: Mixture) -> Indices:
 
 def start_labels(points: Points, n_clusters: int, rng: np.random.Generator) -> Indices:
     """Hard assignment by k-means, its centres fitted on a subsample: ndarray of int, shape (n,)."""
-    from sklearn.cluster import KMeans
-    from sklearn.metrics import pairwise_distances_argmin
-
-    rows = _fitted_rows(len(points), _START_LIMIT, rng)
-    sample = points if rows is None else points[rows]
+    sample = points[_fitted_rows(len(points), _START_LIMIT, rng)]
     n_distinct = len(np.unique(sample, axis=0))
     seed = int(rng.integers(2**31))
-    model = KMeans(min(n_clusters, n_distinct), n_init=1, random_state=seed).fit(sample)
-    if rows is None:
-        return model.labels_.astype(np.intp)
+    model = KMeans(min(n_clusters, n_distinct), n_init="auto", random_state=seed).fit(sample)
     return pairwise_distances_argmin(points, model.cluster_centers_)
 
 
-def _fitted_rows(n_points: int, limit: int, rng: np.random.Generator) -> Indices | None:
-    """Sorted rows of a random subsample, or None where the cloud is small enough."""
-    return None if n_points <= limit else np.sort(rng.choice(n_points, limit, replace=False))
+def _fitted_rows(n_points: int, limit: int, rng: np.random.Generator) -> slice | Indices:
+    """Sorted rows of a random subsample, or all of them where the cloud is small enough."""
+    return slice(None) if n_points <= limit else np.sort(rng.choice(n_points, limit, replace=False))
 
 
 def _expectation_maximization(
-    points: Points,
-    labels: Indices,
-    tolerance: float,
-    max_iterations: int,
-    regularization: float,
-    progress: Progress | None,
+    features: NDArray[np.float64], labels: Indices, rule: _Rule, progress: Progress | None
 ) -> Mixture:
-    features = _features(points)
     blocks = [features[i : i + _BLOCK] for i in range(0, len(features), _BLOCK)]
-    mixture = _maximize(_hard_sums(features, labels), len(points), labels, regularization)
+    mixture = _maximize(_hard_sums(features, labels), labels, rule)
     history: list[float] = []
-    for iteration in range(1, max_iterations + 1):
+    for iteration in range(1, rule.max_iterations + 1):
         sums, log_likelihood = _expect(blocks, mixture)
-        mixture = _maximize(sums, len(points), labels, regularization)
+        mixture = _maximize(sums, labels, rule)
         history.append(log_likelihood)
         if progress:
-            progress(iteration, max_iterations)
-        if len(history) > 1 and abs(history[-1] - history[-2]) < tolerance * len(points):
+            progress(iteration, rule.max_iterations)
+        if len(history) > 1 and abs(history[-1] - history[-2]) < rule.tolerance * len(features):
             return replace(mixture, log_likelihoods=np.array(history), converged=True)
     return replace(mixture, log_likelihoods=np.array(history))
 
@@ -190,7 +185,8 @@ def _log_density_coefficients(mixture: Mixture) -> NDArray[np.float64]:
     constant = -0.5 * (3 * np.log(2 * np.pi) + log_det + np.einsum("ci,ci->c", means, linear))
     square = -0.5 * precisions[:, range(3), range(3)]
     cross = -precisions[:, (0, 0, 1), (1, 2, 2)]
-    return np.column_stack([np.log(mixture.weights) + constant, linear, square, cross]).T.copy()
+    rows = np.column_stack([np.log(mixture.weights) + constant, linear, square, cross])
+    return np.ascontiguousarray(rows.T, dtype=np.float64)
 
 
 def _expect(blocks: list[NDArray[np.float64]], mixture: Mixture) -> tuple[NDArray[np.float64], float]:
@@ -222,10 +218,13 @@ def _expect_block(
 def _hard_sums(features: NDArray[np.float64], labels: Indices) -> NDArray[np.float64]:
     """The sums of `_expect` when each point belongs to one component, (K, 10)."""
     n_clusters = int(labels.max()) + 1
-    return np.stack([np.bincount(labels, features[:, j], minlength=n_clusters) for j in range(10)], axis=1)
+    sums = np.empty((n_clusters, 10))
+    for j in range(10):
+        sums[:, j] = np.bincount(labels, features[:, j])
+    return sums
 
 
-def _maximize(sums: NDArray[np.float64], n_points: int, labels: Indices, regularization: float) -> Mixture:
+def _maximize(sums: NDArray[np.float64], labels: Indices, rule: _Rule) -> Mixture:
     """Eqs. 2-4 from the sums of responsibility x monomial."""
     counts = sums[:, 0] + 10 * np.finfo(float).eps
     means = sums[:, 1:4] / counts[:, None]
@@ -233,5 +232,5 @@ def _maximize(sums: NDArray[np.float64], n_points: int, labels: Indices, regular
     for column, (i, j) in enumerate(_PAIRS, 4):
         moment = sums[:, column] / counts - means[:, i] * means[:, j]
         covariances[:, i, j] = covariances[:, j, i] = moment
-    covariances[:, range(3), range(3)] += regularization
+    covariances[:, range(3), range(3)] += rule.regularization
     return Mixture(labels, counts / counts.sum(), means, covariances, np.empty(0), False)

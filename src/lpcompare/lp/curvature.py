@@ -1,8 +1,8 @@
 """Stage 2: curvature of a quadric fitted to each neighbourhood, eqs. 6-11 of Leal et al. (2017).
 
-The neighbours of a point are written in the frame of their own principal axes, ``w`` along the direction of
-least variance, and ``w = c + p u + q v + r uu/2 + s uv + t vv/2`` is fitted by least squares. H and K are those
-of that graph at the point itself.
+The neighbours of a point are written in a frame around their direction of least variance ``w``, and
+``w = c + p u + q v + r uu/2 + s uv + t vv/2`` is fitted by least squares. H and K are those of that graph at
+the point itself.
 """
 
 from __future__ import annotations
@@ -12,13 +12,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from lpcompare.geometry.frames import least_variance_directions, tangents
 from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.geometry.threads import Progress, map_in_threads
-from lpcompare.types import Points, Vector
+from lpcompare.types import Indices, Points, Vector
 
 _BLOCK = 2048
 _RIDGE = 1e-10
-_FLAT = 1e-7
 
 Array = NDArray[np.float64]
 
@@ -67,14 +67,20 @@ def estimate_curvature(points: Points, n_neighbors: int = 20, progress: Progress
         In the units of ``points``. Zero where the neighbours coincide; where they are too few or lie on a
         line, of the fit with the smallest coefficients.
     """
-    _, indices = Neighbors(points).query(points, n_neighbors)
+    neighbors = Neighbors(points)
     coordinates = np.ascontiguousarray(points.T)
-    slices = [slice(i, i + _BLOCK) for i in range(0, len(points), _BLOCK)]
-    parts = map_in_threads(lambda rows: _curvature(coordinates, rows, indices[rows]), slices, progress)
-    return Curvature(*np.concatenate(parts, axis=1))
+    order = neighbors.spatial_order
+    result = np.empty((2, len(points)))
+
+    def fit(rows: Indices) -> None:
+        _, indices = neighbors.query(points[rows], n_neighbors, n_threads=1)
+        result[:, rows] = _curvature(coordinates, rows, indices)
+
+    map_in_threads(fit, [order[i : i + _BLOCK] for i in range(0, len(points), _BLOCK)], progress)
+    return Curvature(*result)
 
 
-def _curvature(coordinates: Array, rows: slice, indices: NDArray[np.intp]) -> Array:
+def _curvature(coordinates: Array, rows: Indices, indices: NDArray[np.intp]) -> Array:
     """H and K at the points ``rows``, shape (2, q)."""
     offsets = coordinates[:, indices.T] - coordinates[:, None, rows]
     size = np.sqrt(np.einsum("ikq,ikq->q", offsets, offsets) / len(offsets[0]))
@@ -89,10 +95,16 @@ def _curvature(coordinates: Array, rows: slice, indices: NDArray[np.intp]) -> Ar
 
 def _to_frame(offsets: Array) -> tuple[Array, Array, Array]:
     """Coordinates (k, q) of the offsets (3, k, q) along two tangents and the normal of their PCA plane."""
-    centred = offsets - offsets.mean(axis=1, keepdims=True)
-    covariances = np.einsum("ikq,jkq->qij", centred, centred)
-    axes = np.linalg.eigh(covariances)[1]
-    w, u, v = np.einsum("qji,jkq->ikq", axes, offsets)
+    means = offsets.mean(axis=1)
+    covariances = np.stack(
+        [
+            np.einsum("kq,kq->q", offsets[i], offsets[j]) / offsets.shape[1] - means[i] * means[j]
+            for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
+        ]
+    )
+    normals = least_variance_directions(covariances)
+    x, y, z = offsets
+    u, v, w = (x * axis[0] + y * axis[1] + z * axis[2] for axis in (*tangents(normals), normals))
     return u, v, w
 
 

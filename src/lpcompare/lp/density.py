@@ -14,8 +14,8 @@ def inverse_distance_costs(points: Points, centroid: Vector) -> tuple[Vector, fl
     """C_i = 1 / d_i (eq. 13), divided by the cluster's mean cost.
 
     A point on the centroid has no finite cost in eq. 13: distances count as at least 1/1000 of the root mean
-    square distance. Costs are rounded to 2^-36 of their mean, so that points that are equally far stay equally
-    far when the cloud is rotated.
+    square distance. Costs are rounded to 2^-36 of their mean, so that points that are equally far stay
+    equally far when the cloud is rotated.
 
     Parameters
     ----------

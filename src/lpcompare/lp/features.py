@@ -1,4 +1,4 @@
-"""Stage 2, second half: points whose curvature exceeds the mean of their cluster (rules a and b of the paper)."""
+"""Stage 2, second half: points more curved than the mean of their cluster (rules a and b of the paper)."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import numpy as np
 from lpcompare.types import Indices, Mask, Vector
 
 _ROUNDING = 1e-9
+_FLAT = 1e-7
 
 
 def feature_mask(absolute_curvature: Vector, labels: Indices) -> Mask:
@@ -26,4 +27,4 @@ def feature_mask(absolute_curvature: Vector, labels: Indices) -> Mask:
     """
     counts = np.maximum(np.bincount(labels), 1)
     means = np.bincount(labels, absolute_curvature) / counts
-    return absolute_curvature > (means * (1 + _ROUNDING) + 1e-7)[labels]
+    return absolute_curvature > (means * (1 + _ROUNDING) + _FLAT)[labels]

@@ -20,7 +20,6 @@ from numpy.typing import NDArray
 from lpcompare.errors import SolverError
 
 _OPTIONS = {
-    "output_flag": False,
     "threads": 1,
     "presolve": "off",
     "mip_abs_gap": 1e-10,
@@ -29,6 +28,14 @@ _OPTIONS = {
     "small_matrix_value": 1e-12,
 }
 _HAS_SOLUTION = {"kOptimal", "kObjectiveTarget", "kTimeLimit", "kSolutionLimit", "kInterrupt"}
+
+
+class _QuietHighs(highspy.Highs):
+    """HiGHS that is told to be silent before its constructor prints a banner."""
+
+    def enableCallbacks(self) -> None:  # noqa: N802 - highspy's name
+        self.setOptionValue("output_flag", False)
+        super().enableCallbacks()
 
 
 @dataclass(frozen=True)
@@ -49,7 +56,7 @@ class Outcome:
 
 def solve_from(
     problem: cp.Problem,
-    start: Mapping[cp.Variable, NDArray[np.float64]],
+    start: Mapping[cp.Variable, NDArray[Any]],
     *,
     objective_target: float,
     time_limit: float,
@@ -83,7 +90,7 @@ def solve_from(
         HiGHS ended without a solution.
     """
     data, chain, inverse = problem.get_problem_data(cp.HIGHS)
-    solver = highspy.Highs()
+    solver = _QuietHighs()
     options = _OPTIONS | {"objective_target": objective_target, "time_limit": time_limit, "mip_rel_gap": gap}
     for name, value in options.items():
         solver.setOptionValue(name, value)
@@ -148,9 +155,7 @@ def _bounds(
     return lower, upper
 
 
-def _start_solution(
-    data: dict[str, Any], start: Mapping[cp.Variable, NDArray[np.float64]]
-) -> highspy.HighsSolution:
+def _start_solution(data: dict[str, Any], start: Mapping[cp.Variable, NDArray[Any]]) -> highspy.HighsSolution:
     columns = data["param_prob"].var_id_to_col
     values = np.zeros(data["A"].shape[1])
     for variable, value in start.items():

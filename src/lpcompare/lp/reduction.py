@@ -9,8 +9,10 @@ import numpy as np
 
 from lpcompare.geometry.threads import Progress, map_in_threads
 from lpcompare.lp.budget import allocate_budget, split_budget
+from lpcompare.lp.certificate import Certificate, DensityGoal
 from lpcompare.lp.density import cluster_density, inverse_distance_costs
-from lpcompare.lp.selection import Certificate, select
+from lpcompare.lp.selection import SolverSettings, select
+from lpcompare.lp.start import one_per_stratum
 from lpcompare.types import Indices, Mask, Points, Vector
 
 
@@ -40,14 +42,27 @@ class ClusterTask:
 
 
 @dataclass(frozen=True)
-class Programme:
-    """How the programme of a cluster is stated and solved; the fields are the settings of `simplify`."""
+class Reading:
+    """How the paper's density is read.
+
+    Attributes
+    ----------
+    method : {"lp_density", "lp_printed"}
+        k = 1, or k = 1 / PR with PR = nr / nc.
+    density : {"mean", "printed"}
+        D_c as the text says it, or as eq. 12 prints it.
+    scale : float
+        Model units per unit of the points; it matters for the printed eq. 12 alone.
+    """
 
     method: str = "lp_density"
     density: str = "mean"
-    solver: str = "highs"
-    time_limit: float = 10.0
-    gap: float = 0.0
+    scale: float = 1.0
+
+    def goal(self, costs: Vector, n_keep: int, mean_cost: float) -> DensityGoal:
+        """Eqs. 12 and 14 for one cluster; ``costs`` and ``mean_cost`` as `inverse_distance_costs` returns."""
+        k = len(costs) / n_keep if self.method == "lp_printed" and n_keep else 1.0
+        return DensityGoal(cluster_density(costs, mean_cost / self.scale, self.density), k)
 
 
 def plan_clusters(
@@ -55,11 +70,11 @@ def plan_clusters(
     labels: Indices,
     features: Mask,
     curvature: Vector,
+    *,
     target_count: int,
     rng: np.random.Generator,
-    *,
     retention: str = "exact-count",
-    feature_share: float = 0.5,
+    feature_share: float = 0.4,
 ) -> list[ClusterTask]:
     """Share the target among the clusters and decide which feature points stay.
 
@@ -69,14 +84,15 @@ def plan_clusters(
     labels : ndarray of int, shape (n,)
     features : ndarray of bool, shape (n,)
     curvature : ndarray, shape (n,)
-        Absolute curvature; where not all features can stay, the most curved do.
+        Absolute curvature; where not all features can stay, those that do are spread evenly over it.
     target_count : int
         From 1 to n.
     rng : numpy.random.Generator
         One generator per cluster is drawn from it.
     retention : {"exact-count", "keep-features"}
-        "exact-count": ``target_count`` points stay, features among them up to a share. "keep-features": all
-        features stay and the rest is reduced by the rate, as the paper says.
+        "exact-count": ``target_count`` points stay. Features come first up to a share; those beyond it are
+        candidates of the programme like any other point. "keep-features": all features stay and the rest is
+        reduced by the rate, as the paper says.
     feature_share : float
         Largest share of a cluster's budget that features take under "exact-count".
 
@@ -90,38 +106,28 @@ def plan_clusters(
     n_others = sizes - n_features
     if retention == "keep-features":
         total = target_count * int(n_others.sum()) // len(labels)
-        splits = list(zip(n_features, allocate_budget(total, n_others), strict=True))
+        n_kept, n_chosen = n_features, allocate_budget(total, n_others)
     else:
-        budget = allocate_budget(target_count, sizes)
-        splits = [split_budget(*c, feature_share) for c in zip(budget, n_features, n_others, strict=True)]
+        n_kept, n_chosen = split_budget(allocate_budget(target_count, sizes), n_features, feature_share)
     generators = rng.spawn(len(sizes))
     members = np.split(np.argsort(labels, kind="stable"), np.cumsum(sizes)[:-1])
-    return [
-        _task(points, rows, features, curvature, split, generator)
-        for rows, split, generator in zip(members, splits, generators, strict=True)
-        if len(rows)
-    ]
-
-
-def _task(
-    points: Points,
-    rows: Indices,
-    features: Mask,
-    curvature: Vector,
-    split: tuple[int, int],
-    rng: np.random.Generator,
-) -> ClusterTask:
-    marked, others = rows[features[rows]], rows[~features[rows]]
-    most_curved = marked[np.argsort(-curvature[marked], kind="stable")[: split[0]]]
-    return ClusterTask(np.sort(most_curved), others, int(split[1]), points[rows].mean(axis=0), rng)
+    tasks = []
+    for rows, n_marked, n_programme, generator in zip(members, n_kept, n_chosen, generators, strict=True):
+        if len(rows):
+            marked = rows[features[rows]]
+            marked = marked[np.argsort(curvature[marked], kind="stable")]
+            kept = marked[one_per_stratum(len(marked), int(n_marked), generator)]
+            candidates = np.setdiff1d(rows, kept, assume_unique=True)
+            centroid = points[rows].mean(axis=0)
+            tasks.append(ClusterTask(kept, candidates, int(n_programme), centroid, generator))
+    return tasks
 
 
 def reduce_clusters(
     points: Points,
     tasks: list[ClusterTask],
-    programme: Programme,
-    *,
-    scale: float = 1.0,
+    reading: Reading,
+    settings: SolverSettings,
     progress: Progress | None = None,
 ) -> tuple[Indices, list[Certificate]]:
     """Solve every cluster's programme, in parallel threads.
@@ -131,9 +137,8 @@ def reduce_clusters(
     points : ndarray, shape (n, 3)
         Normalised cloud.
     tasks : list of ClusterTask
-    programme : Programme
-    scale : float
-        Model units per unit of ``points``; it matters for the printed eq. 12 alone.
+    reading : Reading
+    settings : SolverSettings
     progress : callable, optional
         Called with (clusters done, clusters).
 
@@ -147,26 +152,13 @@ def reduce_clusters(
     cancelled = Event()
 
     def solve(task: ClusterTask) -> tuple[Indices, Certificate]:
-        return _solve(points, task, programme, scale, cancelled)
+        costs, mean_cost = inverse_distance_costs(points[task.candidates], task.centroid)
+        goal = reading.goal(costs, task.n_keep, mean_cost)
+        mask, certificate = select(
+            costs, task.n_keep, goal, rng=task.rng, settings=settings, cancelled=cancelled
+        )
+        return task.candidates[mask], certificate.in_units(mean_cost / reading.scale)
 
     results = map_in_threads(solve, tasks, progress, cancelled)
     chosen = [rows for rows, _ in results] + [task.kept for task in tasks]
     return np.sort(np.concatenate(chosen)), [certificate for _, certificate in results]
-
-
-def _solve(
-    points: Points, task: ClusterTask, programme: Programme, scale: float, cancelled: Event
-) -> tuple[Indices, Certificate]:
-    costs, mean_cost = inverse_distance_costs(points[task.candidates], task.centroid)
-    mask, certificate = select(
-        costs,
-        task.n_keep,
-        density=cluster_density(costs, mean_cost / scale, programme.density),
-        k=len(costs) / task.n_keep if programme.method == "lp_printed" and task.n_keep else 1.0,
-        rng=task.rng,
-        solver=programme.solver,
-        time_limit=programme.time_limit,
-        gap=programme.gap,
-        cancelled=cancelled,
-    )
-    return task.candidates[mask], certificate.in_units(mean_cost / scale)

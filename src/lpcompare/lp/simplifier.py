@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -18,15 +17,15 @@ from lpcompare.lp.checks import (
     check_solver,
     check_target,
 )
+from lpcompare.lp.clock import Callback, StageClock
 from lpcompare.lp.clustering import Mixture, cluster_points
 from lpcompare.lp.curvature import estimate_curvature
 from lpcompare.lp.features import feature_mask
-from lpcompare.lp.reduction import Programme, plan_clusters, reduce_clusters
+from lpcompare.lp.reduction import Reading, plan_clusters, reduce_clusters
+from lpcompare.lp.selection import SolverSettings
 from lpcompare.types import Points, Simplification
 
 METHODS = ("lp_density", "lp_printed")
-
-Callback = Callable[[str, int, int], None]
 
 
 def simplify(
@@ -86,8 +85,8 @@ class LPSimplifier(BaseEstimator):
     target_reduction, target_count : float, int
         Share removed or points kept; exactly one of the two.
     method : {"lp_density", "lp_printed"}
-        "lp_density" keeps each cluster's mean inverse distance (eq. 14 with k = 1); "lp_printed" is eqs. 12-26
-        as they stand, with k = 1 / PR.
+        "lp_density" keeps each cluster's mean inverse distance (eq. 14 with k = 1); "lp_printed" is
+        eqs. 12-26 as they stand, with k = 1 / PR.
     n_clusters : int
         Components of the mixture; cut to the number of distinct points.
     n_neighbors : int
@@ -130,7 +129,8 @@ class LPSimplifier(BaseEstimator):
 
     References
     ----------
-    E. Leal, N. Leal, G. Sanchez-Torres, A Linear Programming Approach for 3D Point Cloud Simplification, 2017.
+    E. Leal, N. Leal, G. Sanchez-Torres, A Linear Programming Approach for 3D Point Cloud Simplification,
+    2017.
     """
 
     def __init__(
@@ -142,7 +142,7 @@ class LPSimplifier(BaseEstimator):
         n_clusters: int = 20,
         n_neighbors: int = 20,
         retention: str = "exact-count",
-        feature_share: float = 0.5,
+        feature_share: float = 0.4,
         density: str = "mean",
         solver: str = "highs",
         clusterer: str = "em",
@@ -186,7 +186,7 @@ class LPSimplifier(BaseEstimator):
         self._check_settings()
         rng = np.random.default_rng(self.random_state)
         cloud, center, scale = normalize(points)
-        clock = _Clock(self.callback)
+        clock = StageClock(self.callback)
 
         mixture = self._cluster(cloud, rng, clock.stage("clustering"))
         curvature = estimate_curvature(cloud, self.n_neighbors, clock.stage("curvature"))
@@ -197,13 +197,18 @@ class LPSimplifier(BaseEstimator):
             mixture.labels,
             features,
             curvature.absolute,
-            target_count,
-            rng,
+            target_count=target_count,
+            rng=rng,
             retention=self.retention,
             feature_share=self.feature_share,
         )
-        programme = Programme(self.method, self.density, self.solver, self.time_limit, self.gap)
-        indices, certificates = reduce_clusters(cloud, tasks, programme, scale=scale, progress=progress)
+        indices, certificates = reduce_clusters(
+            cloud,
+            tasks,
+            Reading(self.method, self.density, scale),
+            SolverSettings(check_solver(self.solver), self.time_limit, self.gap),
+            progress,
+        )
 
         self.timings_ = clock.stop()
         self.labels_, self.mixture_ = mixture.labels, mixture.in_units(center, scale)
@@ -253,25 +258,3 @@ class LPSimplifier(BaseEstimator):
             "largest_residual": max(c.residual for c in self.certificates_),
         }
         return Simplification(points[self.sample_indices_], self.sample_indices_, self.timings_, info)
-
-
-class _Clock:
-    """Seconds per stage, and the callback's view of it."""
-
-    def __init__(self, callback: Callback | None) -> None:
-        self._callback = callback
-        self._timings: dict[str, float] = {}
-        self._stage, self._began = "", perf_counter()
-
-    def stage(self, name: str) -> Callable[[int, int], None]:
-        """End the running stage, begin the next, and return what reports its progress."""
-        self.stop()
-        self._stage, self._began = name, perf_counter()
-        return lambda done, total: self._callback(name, done, total) if self._callback else None
-
-    def stop(self) -> dict[str, float]:
-        """Seconds of every stage that has ended."""
-        if self._stage:
-            self._timings[self._stage] = perf_counter() - self._began
-            self._stage = ""
-        return dict(self._timings)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from typing import Any
 
 import numpy as np
 from sklearn.exceptions import ConvergenceWarning
@@ -24,7 +25,9 @@ def cluster_points_with_sklearn(points: Points, n_clusters: int, rng: np.random.
         # said by Mixture.converged
         warnings.simplefilter("ignore", ConvergenceWarning)
         labels = model.fit_predict(points)
+    names = ("weights", "means", "covariances")
+    parameters: dict[str, Any] = {name: getattr(model, f"{name}_") for name in names}
     history = len(points) * np.asarray(getattr(model, "lower_bounds_", [model.lower_bound_]))
     return Mixture(
-        labels.astype(np.intp), model.weights_, model.means_, model.covariances_, history, model.converged_
+        labels.astype(np.intp), **parameters, log_likelihoods=history, converged=bool(model.converged_)
     )

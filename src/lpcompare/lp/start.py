@@ -28,22 +28,22 @@ def starting_mask(costs: Vector, n_keep: int, target: float, rng: np.random.Gene
         The best choice by sorting alone where no choice can reach the target.
     """
     order = np.argsort(costs, kind="stable")
-    ranks = _shifted(costs[order], _strata(len(costs), n_keep, rng), target)
+    ranks = _shifted(costs[order], one_per_stratum(len(costs), n_keep, rng), target)
     mask = np.zeros(len(costs), dtype=bool)
     mask[order[ranks]] = True
     return exchange(costs, mask, target)
 
 
-def _strata(n_points: int, n_keep: int, rng: np.random.Generator) -> Indices:
-    """One rank from each of ``n_keep`` nearly equal strata, ascending."""
-    edges = np.arange(n_keep + 1) * n_points // n_keep
-    return edges[:-1] + (rng.random(n_keep) * np.diff(edges)).astype(np.intp)
+def one_per_stratum(n_ranks: int, n_strata: int, rng: np.random.Generator) -> Indices:
+    """One rank from each of ``n_strata`` nearly equal parts of 0 .. n_ranks - 1, ascending."""
+    edges = np.arange(n_strata + 1) * n_ranks // max(n_strata, 1)
+    return edges[:-1] + (rng.random(n_strata) * np.diff(edges)).astype(np.intp)
 
 
 def _shifted(ordered: Vector, ranks: Indices, target: float) -> Indices:
     """Swap the first (or last) chosen ranks for the cheapest (dearest) ones until the target is passed.
 
-    The first t of the cheapest ranks and the chosen ranks after the t-th are distinct, so each step is a choice.
+    The first t of the cheapest ranks and the chosen ranks after the t-th are distinct: each step is a choice.
     """
     n_keep = len(ranks)
     missing = target * n_keep - float(ordered[ranks].sum())

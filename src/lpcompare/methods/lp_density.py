@@ -15,7 +15,7 @@ from lpcompare.types import Points, Simplification, Traits
 
 TRAITS = Traits(
     wraps="lpcompare (cvxpy, HiGHS)",
-    source="Leal, Leal, Sanchez-Torres, A Linear Programming Approach for 3D Point Cloud Simplification, 2017",
+    source="Leal and others, A Linear Programming Approach for 3D Point Cloud Simplification, 2017",
 )
 
 
@@ -27,7 +27,7 @@ def lp_density(
     n_clusters: int = 20,
     n_neighbors: int = 20,
     retention: str = "exact-count",
-    feature_share: float = 0.5,
+    feature_share: float = 0.4,
     density: str = "mean",
     solver: str = "highs",
     clusterer: str = "em",

@@ -1,8 +1,8 @@
 """Boolean programme per cluster exactly as printed, with k = 1/PR (Leal et al., eqs. 12-26).
 
 Leal, Leal and Sanchez-Torres (2017). Gaussian mixture clusters (eqs. 1-5), feature points by curvature
-(eqs. 6-11), and in each cluster eqs. 12-26 as they stand. With k = 1/PR and averaged densities the target lies
-below what any selection can reach, so the optimum is always the points farthest from the centroid: rims
+(eqs. 6-11), and in each cluster eqs. 12-26 as they stand. With k = 1/PR and averaged densities the target
+lies below what any selection can reach, so the optimum is always the points farthest from the centroid: rims
 survive and centres empty.
 """
 
@@ -15,7 +15,7 @@ from lpcompare.types import Points, Simplification, Traits
 
 TRAITS = Traits(
     wraps="lpcompare (cvxpy, HiGHS)",
-    source="Leal, Leal, Sanchez-Torres, A Linear Programming Approach for 3D Point Cloud Simplification, 2017",
+    source="Leal and others, A Linear Programming Approach for 3D Point Cloud Simplification, 2017",
 )
 
 
@@ -27,7 +27,7 @@ def lp_printed(
     n_clusters: int = 20,
     n_neighbors: int = 20,
     retention: str = "exact-count",
-    feature_share: float = 0.5,
+    feature_share: float = 0.4,
     density: str = "mean",
     solver: str = "highs",
     clusterer: str = "em",

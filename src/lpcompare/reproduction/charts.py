@@ -54,7 +54,7 @@ def draw_errors(rows: Rows, model: str, path: Path) -> None:
     save(figure, path)
 
 
-def _draw_curves(axes, rows: Rows) -> None:  # noqa: ANN001 - matplotlib's Axes
+def _draw_curves(axes, rows: Rows) -> None:
     for rate in distinct(rows, "reduction"):
         clusters = distinct(rows, "n_clusters")
         seeds = [values(rows, "plane_error_k8_pct", reduction=rate, n_clusters=k) for k in clusters]

@@ -7,20 +7,20 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import lru_cache
 from itertools import product
 from typing import Any
 
 import numpy as np
 
 from lpcompare.comparison import Comparison
+from lpcompare.harness.perturbation import Perturbation, perturb
 from lpcompare.lp.budget import target_from_reduction
 from lpcompare.lp.simplifier import LPSimplifier
-from lpcompare.models import load_model
 from lpcompare.registry import METHODS
 from lpcompare.reproduction.holes import describe_holes
+from lpcompare.reproduction.lab import Lab
 from lpcompare.reproduction.table import Row
-from lpcompare.types import PointCloud, Points
+from lpcompare.types import Points
 
 REDUCTIONS = (0.7, 0.8, 0.9)
 TABLE_CLUSTERS = (15, 20, 25)
@@ -31,7 +31,9 @@ TIMED_REPEATS = 3
 COUNT_SEEDS = 10
 CURVE_SEEDS = 3
 PICTURED_CLUSTERS = 20
-NOISE = (0.0, 0.25, 0.5, 1.0)
+COMPARED = ("lp_printed", "lp_density", "lp_uniform", "random_sample")
+UNITS = (2.0**-12, 2.0**-6, 2.0**6, 2.0**11)
+NOISE = (0.25, 0.5, 1.0)
 OUTLIERS = (0.01, 0.02, 0.05)
 
 
@@ -57,27 +59,7 @@ class Experiment:
     title: str
     keys: tuple[str, ...]
     cases: Callable[[tuple[str, ...]], Iterator[Row]]
-    measure: Callable[[Row], Row]
-
-
-@lru_cache(maxsize=4)
-def model(name: str) -> PointCloud:
-    """A model, read once."""
-    return load_model(name)
-
-
-@lru_cache(maxsize=4)
-def fitted(
-    name: str, reading: str, retention: str, n_clusters: int, reduction: float, seed: int
-) -> LPSimplifier:
-    """The paper's method, fitted; the last few are kept, because experiments share them."""
-    return LPSimplifier(
-        target_reduction=reduction,
-        method=reading,
-        retention=retention,
-        n_clusters=n_clusters,
-        random_state=seed,
-    ).fit(model(name).points)
+    measure: Callable[[Lab, Row], Row]
 
 
 def plane_errors_pct(original: Points, simplified: Points) -> dict[str, float]:
@@ -97,7 +79,7 @@ def _grid(**axes: Any) -> Callable[[tuple[str, ...]], Iterator[Row]]:
     return cases
 
 
-def _seconds(case: Row) -> Row:
+def _seconds(lab: Lab, case: Row) -> Row:
     """Table I: seconds of each stage; the estimator is not cached, since the call is what is timed."""
     simplifier = LPSimplifier(
         target_reduction=case["reduction"],
@@ -105,7 +87,7 @@ def _seconds(case: Row) -> Row:
         n_clusters=case["n_clusters"],
         retention="keep-features",
         random_state=case["repeat"],
-    ).fit(model(case["model"]).points)
+    ).fit(lab.points(case["model"]))
     stages = simplifier.timings_
     return {
         "normals_s": stages["curvature"],
@@ -114,7 +96,7 @@ def _seconds(case: Row) -> Row:
     }
 
 
-def _count(case: Row) -> Row:
+def _count(lab: Lab, case: Row) -> Row:
     """Points that stay when every feature point is kept; eq. 22's nr for the others."""
     simplifier = LPSimplifier(
         target_reduction=REDUCTIONS[0],
@@ -122,14 +104,14 @@ def _count(case: Row) -> Row:
         retention="keep-features",
         n_clusters=case["n_clusters"],
         random_state=case["seed"],
-    ).fit(model(case["model"]).points)
+    ).fit(lab.points(case["model"]))
     n, features = len(simplifier.labels_), int(simplifier.feature_mask_.sum())
     kept = {f"kept_{r:g}": features + target_from_reduction(n - features, r) for r in REDUCTIONS}
     return {"n_points": n, "n_features": features, "n_output": len(simplifier.sample_indices_), **kept}
 
 
-def _error(case: Row) -> Row:
-    simplifier = fitted(
+def _error(lab: Lab, case: Row) -> Row:
+    simplifier = lab.fitted(
         case["model"],
         case["reading"],
         case["retention"],
@@ -137,14 +119,14 @@ def _error(case: Row) -> Row:
         case["reduction"],
         case["seed"],
     )
-    points = model(case["model"]).points
+    points = lab.points(case["model"])
     kept = simplifier.simplification_.points
     return {"n_output": len(kept), **plane_errors_pct(points, kept)}
 
 
-def _programme(case: Row) -> Row:
+def _programme(lab: Lab, case: Row) -> Row:
     """What the optimum of each cluster is, and what rescaling the model does to it."""
-    points = model(case["model"]).points
+    points = lab.points(case["model"])
     settings: dict[str, Any] = {
         "target_reduction": case["reduction"],
         "method": case["reading"],
@@ -154,8 +136,8 @@ def _programme(case: Row) -> Row:
         "random_state": 0,
     }
     simplifier = LPSimplifier(**settings).fit(points)
-    enlarged = LPSimplifier(**settings).fit(1024.0 * points)
-    same = np.intersect1d(simplifier.sample_indices_, enlarged.sample_indices_).size
+    rescaled = [LPSimplifier(**settings).fit(unit * points).sample_indices_ for unit in UNITS]
+    same = min(np.intersect1d(simplifier.sample_indices_, other).size for other in rescaled)
     certificates = simplifier.certificates_
     return {
         "clusters": len(certificates),
@@ -180,18 +162,18 @@ def _clusters_that_kept_the_farthest(points: Points, simplifier: LPSimplifier) -
     return chosen
 
 
-def _holes(case: Row) -> Row:
-    points = model(case["model"]).points
+def _holes(lab: Lab, case: Row) -> Row:
+    points = lab.points(case["model"])
     target = target_from_reduction(len(points), case["reduction"])
-    labels = fitted(
+    labels = lab.fitted(
         case["model"], "lp_density", "exact-count", PICTURED_CLUSTERS, case["reduction"], 0
     ).labels_
     kept = METHODS.get(case["method"])(points, target, rng=np.random.default_rng(0)).points
     return describe_holes(points, kept, labels)
 
 
-def _features(case: Row) -> Row:
-    points = model(case["model"]).points
+def _features(lab: Lab, case: Row) -> Row:
+    points = lab.points(case["model"])
     simplifier = LPSimplifier(
         target_reduction=case["reduction"],
         method="lp_density",
@@ -202,13 +184,26 @@ def _features(case: Row) -> Row:
     return {"n_features_kept": kept.info["n_features_kept"], **plane_errors_pct(points, kept.points)}
 
 
-def _robustness(case: Row) -> Row:
-    clean = model(case["model"]).points
-    rng = np.random.default_rng(case["seed"])
-    damaged = perturb(clean, case["kind"], case["level"], rng)
-    target = target_from_reduction(len(clean), case["reduction"])
-    kept = METHODS.get(case["method"])(damaged, target, rng=np.random.default_rng(case["seed"])).points
-    return plane_errors_pct(clean, kept)
+def _robustness(lab: Lab, case: Row) -> Row:
+    """Error against the clean cloud; every method is given the count of the clean cloud."""
+    cloud, seed = lab.clouds[case["model"]], case["seed"]
+    damaged = perturb(cloud, Perturbation(case["kind"], case["level"]), seed)
+    target = target_from_reduction(len(cloud), case["reduction"])
+    kept = METHODS.get(case["method"])(damaged.points, target, rng=np.random.default_rng(seed)).points
+    return plane_errors_pct(cloud.points, kept)
+
+
+def _damaged_cases(models: tuple[str, ...]) -> Iterator[Row]:
+    damages = [("none", 0.0), *(("noise", v) for v in NOISE), *(("outliers", v) for v in OUTLIERS)]
+    for model, (kind, level), method, seed in product(models, damages, COMPARED, range(CURVE_SEEDS)):
+        yield {
+            "model": model,
+            "method": method,
+            "kind": kind,
+            "level": level,
+            "reduction": REDUCTIONS[1],
+            "seed": seed,
+        }
 
 
 EXPERIMENTS = (
@@ -250,7 +245,7 @@ EXPERIMENTS = (
         "holes",
         "Holes: distance of the originals to the nearest kept point",
         ("model", "method", "reduction"),
-        _grid(method=("lp_printed", "lp_density", "lp_uniform", "random_sample"), reduction=REDUCTIONS),
+        _grid(method=COMPARED, reduction=REDUCTIONS),
         _holes,
     ),
     Experiment(

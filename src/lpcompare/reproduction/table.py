@@ -53,22 +53,19 @@ class Table:
         self._done.add(self._key(text))
 
     def _read(self) -> list[dict[str, str]]:
-        with self.path.open(newline="", encoding="utf-8") as file:
-            rows = list(csv.DictReader(file))
-        whole = [r for r in rows if None not in r.values() and None not in r]
+        text = self.path.read_text(encoding="utf-8")
+        whole = text[: text.rfind("\n") + 1]
+        if whole != text:
+            self._rewrite(whole)
+        rows = list(csv.DictReader(whole.splitlines()))
         if rows and not set(self.keys) <= rows[0].keys():
             raise InputError(f"{self.path} is not a table of this command; name another folder with --out.")
-        if len(whole) < len(rows):
-            self._rewrite(whole)
-        return whole
+        return rows
 
-    def _rewrite(self, rows: list[dict[str, str]]) -> None:
+    def _rewrite(self, text: str) -> None:
         """Drop a last line that was cut off in the middle."""
         beside = self.path.with_suffix(".partial")
-        with beside.open("w", newline="", encoding="utf-8") as file:
-            writer = csv.DictWriter(file, list(rows[0]) if rows else list(self.keys), lineterminator="\n")
-            writer.writeheader()
-            writer.writerows(rows)
+        beside.write_text(text, encoding="utf-8")
         os.replace(beside, self.path)
 
 

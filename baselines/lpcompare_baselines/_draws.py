@@ -1,0 +1,97 @@
+"""Repeatable draws from MeshLab's random filters, and the one of them that has the count asked for.
+
+MeshLab has one random generator per process and no way to seed it. In a fresh process, skipping a number of
+its random numbers takes the place of a seed.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import warnings
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from lpcompare.types import Indices
+from lpcompare_baselines._calibration import search_size
+from lpcompare_baselines._meshlab import mesh_set
+
+_LARGEST_SKIP = 8192
+_EXACT_UP_TO = 20_000
+"""Points up to which the count itself is searched; beyond, one in so many may be missed."""
+_MOST_CALLS = 80
+
+
+class Draw(NamedTuple):
+    """A sample that can be taken again in the same state of the process."""
+
+    size: float
+    n_skipped: int
+
+
+def draw_skip(rng: np.random.Generator) -> int:
+    """How many of MeshLab's random numbers to skip."""
+    return int(rng.integers(1, _LARGEST_SKIP))
+
+
+def skip_draws(n_skipped: int) -> None:
+    """Move MeshLab's generator on, by a dummy sample of ``n_skipped`` points, which it shuffles."""
+    mesh_set(np.zeros((n_skipped, 3))).generate_sampling_element(sampling="Vertex", samplenum=1)
+
+
+def search_draw(
+    sample: Callable[[float, int], Indices], target_count: int, start: float, rng: np.random.Generator
+) -> Draw:
+    """The draw whose count is nearest to the target.
+
+    Counts scatter from draw to draw, so each probe skips one random number more than the one before it.
+
+    Parameters
+    ----------
+    sample : callable
+        Rows that a size and a number of skipped random numbers give.
+    target_count : int
+    start : float
+        The first size tried.
+    rng : numpy.random.Generator
+        Draws the first skip.
+    """
+    first, tried = draw_skip(rng), list[tuple[int, Draw]]()
+
+    def count(size: float) -> int:
+        draw = Draw(size, first + len(tried))
+        n = _foresee(lambda: len(sample(*draw)))
+        tried.append((abs(n - target_count), draw))
+        return n
+
+    search_size(count, target_count, start, tolerance=target_count // _EXACT_UP_TO, max_calls=_MOST_CALLS)
+    return min(tried)[1]
+
+
+def _foresee(count: Callable[[], int]) -> int:
+    """What ``count`` would return, asked of a copy of this process: MeshLab's generator stays where it is.
+
+    Where a process cannot be forked with safety (only Linux can), ``count`` is called here, and the next draw
+    differs from it by the scatter.
+    """
+    if sys.platform != "linux":
+        return count()
+    reader, writer = os.pipe()
+    with warnings.catch_warnings():
+        # the copy calls one filter, which takes no lock of another thread
+        warnings.simplefilter("ignore", DeprecationWarning)
+        child = os.fork()
+    if child == 0:
+        try:
+            os.write(writer, str(count()).encode())
+        finally:
+            os._exit(0)
+    os.close(writer)
+    with os.fdopen(reader) as answers:
+        answer = answers.read()
+    os.waitpid(child, 0)
+    if not answer:
+        raise RuntimeError("MeshLab's filter ended its process while the count was searched.")
+    return int(answer)

@@ -1,0 +1,57 @@
+"""Clustered vertex sampling by MeshLab: of each grid cell, the point nearest to the cell's centre.
+
+The cell size is searched outside the clock on the grid that MeshLab lays.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from lpcompare.types import Points, Simplification, Traits
+from lpcompare_baselines._calibration import search_size, surface_spacing
+from lpcompare_baselines._cells import meshlab_cells, n_occupied
+from lpcompare_baselines._meshlab import centred, check, mesh_set, ml
+
+TRAITS = Traits(
+    wraps="pymeshlab generate_sampling_clustered_vertex (closest to center)",
+    source="Rossignac and Borrel, Multi-resolution 3D approximations for rendering complex scenes, 1993",
+    licence="GPL-3.0",
+    exact_count=False,
+)
+
+
+def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) -> dict[str, float]:
+    """Cell size, in model units, with the number of occupied cells nearest to ``target_count``."""
+    check(points, target_count)
+    start, moved = surface_spacing(points, target_count), centred(points)
+    return {"cell_size": search_size(lambda c: n_occupied(meshlab_cells(moved, c)), target_count, start)}
+
+
+def clustered_vertex(
+    points: Points, target_count: int, *, rng: np.random.Generator, cell_size: float | None = None
+) -> Simplification:
+    """Keep the most central point of each occupied cell.
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, 3)
+    target_count : int
+        From 1 to n.
+    rng : numpy.random.Generator
+        Not used: the method is deterministic.
+    cell_size : float, optional
+        Edge of a cell in model units; by default the one that `calibrate` finds.
+
+    Returns
+    -------
+    Simplification
+        A subset of the input, as many points as cells are occupied.
+    """
+    check(points, target_count)
+    if cell_size is None:
+        cell_size = calibrate(points, target_count, rng=rng)["cell_size"]
+    meshes = mesh_set(points)
+    meshes.generate_sampling_clustered_vertex(threshold=ml.PureValue(cell_size), sampling="Closest to center")
+    # the new layer carries no row numbers, but the filter selects the rows that it took on the first one
+    indices = np.flatnonzero(meshes.mesh(0).vertex_selection_array())
+    return Simplification(points[indices], indices)

@@ -1,0 +1,94 @@
+"""MeshLab's own point cloud simplification, asked for the number at which it returns the count.
+
+The filter guesses a Poisson disk radius from the bounding box and never corrects it: it returns a third more
+points than it is asked for, and its exact-number flag has no effect. Outside the clock it is asked for fewer
+until the points returned are those wanted.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from lpcompare.types import Indices, Points, Simplification, Traits
+from lpcompare_baselines._draws import draw_skip, search_draw, skip_draws
+from lpcompare_baselines._meshlab import check, check_distinct, mesh_set, rows_of
+
+TRAITS = Traits(
+    wraps="pymeshlab generate_simplified_point_cloud",
+    source="Corsini, Cignoni and Scopigno, Efficient and flexible sampling with blue noise properties of "
+    "triangular meshes, IEEE TVCG 18(6), 2012",
+    licence="GPL-3.0",
+    exact_count=False,
+)
+
+_MOST_ASKED = 2_000_000_000
+_USUAL_EXCESS = 1.36
+
+
+def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) -> dict[str, int]:
+    """Draws to skip, and the ``samplenum`` at which the draw after them has ``target_count`` points.
+
+    Raises
+    ------
+    NotApplicable
+        Fewer distinct points exist than are asked for.
+    """
+    check(points, target_count)
+    check_distinct(points, target_count)
+
+    def sample(excess: float, n_skipped: int) -> Indices:
+        return _sample(points, _asked(target_count, excess), n_skipped)
+
+    draw = search_draw(sample, target_count, _USUAL_EXCESS, rng)
+    return {"samplenum": _asked(target_count, draw.size), "n_skipped": draw.n_skipped}
+
+
+def meshlab_simplified_point_cloud(
+    points: Points,
+    target_count: int,
+    *,
+    rng: np.random.Generator,
+    samplenum: int | None = None,
+    n_skipped: int | None = None,
+) -> Simplification:
+    """Keep what MeshLab keeps.
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, 3)
+    target_count : int
+        From 1 to the number of distinct points.
+    rng : numpy.random.Generator
+        Draws ``n_skipped``; in a fresh process the same seed gives the same points.
+    samplenum : int, optional
+        The number that the filter is asked for; by default the one that `calibrate` finds.
+    n_skipped : int, optional
+        Random numbers of MeshLab's to skip.
+
+    Returns
+    -------
+    Simplification
+        A subset of the input, of about ``target_count`` points.
+
+    Raises
+    ------
+    NotApplicable
+        Fewer distinct points exist than are asked for.
+    """
+    check(points, target_count)
+    if samplenum is None:
+        found = calibrate(points, target_count, rng=rng)
+        return meshlab_simplified_point_cloud(points, target_count, rng=rng, **found)
+    indices = _sample(points, samplenum, draw_skip(rng) if n_skipped is None else n_skipped)
+    return Simplification(points[indices], indices)
+
+
+def _asked(target_count: int, excess: float) -> int:
+    return int(min(max(round(target_count / excess), 1), _MOST_ASKED))
+
+
+def _sample(points: Points, samplenum: int, n_skipped: int) -> Indices:
+    skip_draws(n_skipped)
+    meshes = mesh_set(points)
+    meshes.generate_simplified_point_cloud(samplenum=samplenum)
+    return rows_of(meshes)

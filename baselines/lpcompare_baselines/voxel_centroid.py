@@ -1,0 +1,55 @@
+"""Voxel grid: of each occupied cube, the mean of its points (numpy).
+
+The cube's edge is searched outside the clock so that as many cubes are occupied as points are wanted.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from lpcompare.geometry.scale import bounding_box_center
+from lpcompare.types import Points, Simplification, Traits
+from lpcompare_baselines._calibration import search_size, surface_spacing
+from lpcompare_baselines._cells import cell_means, grid_cells, n_occupied
+
+TRAITS = Traits(
+    wraps="numpy",
+    source="Rusu and Cousins, 3D is here: Point Cloud Library, ICRA 2011 (VoxelGrid)",
+    licence="BSD-3-Clause",
+    moves_points=True,
+    keeps_attributes=False,
+    exact_count=False,
+)
+
+
+def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) -> dict[str, float]:
+    """Edge, in model units, with the number of occupied cubes nearest to ``target_count``."""
+    start = surface_spacing(points, target_count)
+    return {"cell_size": search_size(lambda c: n_occupied(grid_cells(points, c)), target_count, start)}
+
+
+def voxel_centroid(
+    points: Points, target_count: int, *, rng: np.random.Generator, cell_size: float | None = None
+) -> Simplification:
+    """Replace the points of each occupied cube by their mean.
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, 3)
+    target_count : int
+        From 1 to n.
+    rng : numpy.random.Generator
+        Not used: the method is deterministic.
+    cell_size : float, optional
+        Edge of a cube in model units; by default the one that `calibrate` finds.
+
+    Returns
+    -------
+    Simplification
+        New points, as many as cubes are occupied.
+    """
+    if cell_size is None:
+        cell_size = calibrate(points, target_count, rng=rng)["cell_size"]
+    center = bounding_box_center(points)
+    means, _ = cell_means(points - center, grid_cells(points, cell_size))
+    return Simplification(means + center)

@@ -1,0 +1,237 @@
+"""Stage 3 of `lp_uniform`: one point per cell, the cluster's density kept, the surface represented best.
+
+To the boolean programme of Leal et al. (2017), eqs. 14-26, come a second objective and one row per cell, as
+the paper's future work asks ("multiple objectives to avoid hole generation", "uniformly distributed")::
+
+    minimise    sum_i c_i x_i + W e
+    subject to  sum_i x_i = n_r                      eq. 22
+                x_{nc+1} = 1                         eq. 23
+                |sum_i C_i x_i / n_r - D_c| <= y     eqs. 24, 25 with k = 1
+                y <= tolerance D_c + e               the density is kept, or missed by as little as can be
+                sum_{i in cell s} x_i = 1            for every cell s: no holes, no clumps
+                x_i in {0, 1}, y, e >= 0             eq. 26
+
+The rows of the cells and the density row make it nearly totally unimodular: relaxing the density row alone
+leaves a choice per cell that sorting solves, and the best multiplier of that row gives at once a starting
+solution and a lower bound that leaves a gap of one cell in n_r. HiGHS closes it or proves it small enough.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from threading import Event
+
+import cvxpy as cp
+import numpy as np
+from scipy.sparse import csr_array
+
+from lpcompare.lp.highs import solve_from
+from lpcompare.types import Indices, Mask, Vector
+
+_EXCESS_PRICE = 100.0
+_MULTIPLIER_STEPS = 60
+
+
+@dataclass(frozen=True)
+class SpreadCertificate:
+    """What is proven about one cluster's selection.
+
+    Attributes
+    ----------
+    status : str
+        "optimal" (within the gap), "time limit" or "interrupted".
+    objective : float
+        Z of eq. 14, recomputed in float64 from the selection.
+    density, reduced_density : float
+        D_c of eq. 12 and D_cr of eq. 15.
+    cost, bound : float
+        The programme's objective, in units of the cost of the cheapest choice per cell, and a proven lower bound.
+    n_candidates, n_keep : int
+        Points to choose from (nc) and points chosen (nr).
+    tolerance : float
+        Gap that counts as optimal, relative to ``cost``.
+    """
+
+    status: str
+    objective: float
+    density: float
+    reduced_density: float
+    cost: float
+    bound: float
+    n_candidates: int
+    n_keep: int
+    tolerance: float
+
+    @property
+    def residual(self) -> float:
+        """Z as a share of the cluster's density."""
+        return self.objective / self.density if self.density else 0.0
+
+    @property
+    def gap(self) -> float:
+        """Cost above its bound, as a share of the cost."""
+        return (self.cost - self.bound) / self.cost if self.cost > 0 else 0.0
+
+    @property
+    def proven(self) -> bool:
+        """Whether the selection is optimal within the tolerance."""
+        return self.gap <= self.tolerance
+
+    def in_units(self, mean_cost: float) -> SpreadCertificate:
+        """Densities and Z multiplied by the mean cost that had been divided out."""
+        return replace(
+            self,
+            objective=self.objective * mean_cost,
+            density=self.density * mean_cost,
+            reduced_density=self.reduced_density * mean_cost,
+        )
+
+
+def select_one_per_cell(
+    costs: Vector,
+    cells: Indices,
+    inverse_distances: Vector,
+    *,
+    tolerance: float = 0.01,
+    gap: float = 1e-3,
+    time_limit: float = 10.0,
+    cancelled: Event | None = None,
+) -> tuple[Mask, SpreadCertificate]:
+    """Choose one candidate of every cell of one cluster.
+
+    Parameters
+    ----------
+    costs : ndarray, shape (nc,)
+        How badly each candidate represents its cell, not negative.
+    cells : ndarray of int, shape (nc,)
+        Cell of each candidate, from 0 to nr - 1, each with a candidate.
+    inverse_distances : ndarray, shape (nc,)
+        C_i of eq. 13 divided by D_c.
+    tolerance : float
+        Largest Z of eq. 14 that costs nothing, as a share of D_c.
+    gap : float
+        Relative gap between solution and bound that counts as optimal.
+    time_limit : float
+        Seconds.
+    cancelled : threading.Event, optional
+        Ends the search soon after it is set.
+
+    Returns
+    -------
+    mask : ndarray of bool, shape (nc,)
+        One candidate of every cell.
+    certificate : SpreadCertificate
+
+    Raises
+    ------
+    SolverError
+        The solver ended without a selection.
+    """
+    n_keep = int(cells.max()) + 1
+    order = np.argsort(cells, kind="stable")
+    cheapest = float(costs[_cheapest(costs, cells, order)].sum())
+    model = _Model(costs / (cheapest or 1.0), cells, order, inverse_distances / n_keep, tolerance)
+    chosen, bound = _relaxed_choice(model)
+    status = "optimal"
+    if model.objective(chosen) > bound * (1 + gap):
+        chosen, status, solver_bound = _solve(model, chosen, bound, gap, time_limit, cancelled)
+        bound = max(bound, solver_bound)
+    mask = np.zeros(len(costs), dtype=bool)
+    mask[chosen] = True
+    reduced, cost = float(model.rows[chosen].sum()), model.objective(chosen)
+    return mask, SpreadCertificate(
+        status, abs(reduced - 1.0), 1.0, reduced, cost, min(bound, cost), len(costs), n_keep, gap
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Model:
+    """The numbers of one cluster's programme, with D_c = 1: costs c_i, rows C_i / n_r."""
+
+    costs: Vector
+    cells: Indices
+    order: Indices
+    rows: Vector
+    tolerance: float
+
+    def excess(self, chosen: Indices) -> float:
+        """What Z of eq. 14 exceeds the tolerance by."""
+        return max(abs(float(self.rows[chosen].sum()) - 1.0) - self.tolerance, 0.0)
+
+    def objective(self, chosen: Indices) -> float:
+        return float(self.costs[chosen].sum()) + _EXCESS_PRICE * self.excess(chosen)
+
+
+def build_programme(model: _Model) -> cp.Problem:
+    """The boolean programme of one cluster; its variables are ``x`` (nc + 1), ``y`` and ``e``."""
+    n_points = len(model.costs)
+    n_keep = int(model.cells.max()) + 1
+    x = cp.Variable(n_points + 1, boolean=True, name="x")  # eq. 26
+    y, e = cp.Variable(name="y", nonneg=True), cp.Variable(name="e", nonneg=True)
+    row = np.append(model.rows, -1.0)  # eq. 20, divided by D_c
+    membership = csr_array(
+        (np.ones(n_points), (model.cells, np.arange(n_points))), shape=(n_keep, n_points + 1)
+    )
+    return cp.Problem(
+        cp.Minimize(np.append(model.costs, 0.0) @ x + _EXCESS_PRICE * e),
+        [
+            cp.sum(x[:n_points]) == n_keep,  # eq. 22
+            x[n_points] == 1,  # eq. 23
+            row @ x <= y,  # eq. 24
+            -row @ x <= y,  # eq. 25
+            y <= model.tolerance + e,
+            membership @ x == 1,
+        ],
+    )
+
+
+def _solve(
+    model: _Model, start: Indices, bound: float, gap: float, time_limit: float, cancelled: Event | None
+) -> tuple[Indices, str, float]:
+    problem = build_programme(model)
+    x, y, e = (next(v for v in problem.variables() if v.name() == name) for name in "xye")
+    values = np.zeros(len(model.costs) + 1)
+    values[start] = values[-1] = 1.0
+    deviation = abs(float(model.rows[start].sum()) - 1.0)
+    outcome = solve_from(
+        problem,
+        {x: values, y: np.array(deviation), e: np.array(model.excess(start))},
+        objective_target=bound * (1 + gap),
+        time_limit=time_limit,
+        gap=gap,
+        cancelled=cancelled,
+    )
+    found = _cheapest(-np.asarray(x.value)[:-1], model.cells, model.order)
+    return min(start, found, key=model.objective), outcome.status, outcome.bound
+
+
+def _cheapest(costs: Vector, cells: Indices, order: Indices) -> Indices:
+    """The candidate of least cost in each cell, the first among equals; ``order`` sorts by cell."""
+    ranked = order[np.lexsort((costs[order], cells[order]))]
+    first = np.flatnonzero(np.diff(cells[ranked], prepend=-1))
+    return ranked[first]
+
+
+def _relaxed_choice(model: _Model) -> tuple[Indices, float]:
+    """A choice from the Lagrangian of the density row, and the best bound that its multipliers give."""
+    chosen = _cheapest(model.costs, model.cells, model.order)
+    deviation = float(model.rows[chosen].sum()) - 1.0
+    best, bound = chosen, float(model.costs[chosen].sum())
+    if abs(deviation) <= model.tolerance:
+        return best, bound
+    side = np.sign(deviation)
+    edge = 1.0 + side * model.tolerance
+    low, high = 0.0, _EXCESS_PRICE
+    for _ in range(_MULTIPLIER_STEPS):
+        multiplier = (low + high) / 2
+        priced = model.costs + multiplier * side * model.rows
+        chosen = _cheapest(priced, model.cells, model.order)
+        bound = max(bound, float(priced[chosen].sum()) - multiplier * side * edge)
+        best = min(best, chosen, key=model.objective)
+        if side * (float(model.rows[chosen].sum()) - edge) > 0:
+            low = multiplier
+        else:
+            high = multiplier
+        if model.objective(best) <= bound * (1 + 1e-6):
+            break
+    return best, bound

@@ -1,0 +1,58 @@
+"""lp_uniform, each kept point moved to the minimum of its tangent-plane quadric.
+
+Leal, Leal and Sanchez-Torres (2017), section V. The selection of `lp_uniform`; the quadric of a point sums the squared distances to the tangent planes of the
+originals around it and needs no mesh. The row that each point comes from is ``info["source"]``.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from lpcompare.lp.uniform_simplifier import simplify_uniformly
+from lpcompare.types import Points, Simplification, Traits
+
+TRAITS = Traits(
+    wraps="lpcompare (cvxpy, HiGHS)",
+    source="Leal and others, A Linear Programming Approach for 3D Point Cloud Simplification, 2017",
+    moves_points=True,
+)
+
+
+def lp_placed(
+    points: Points,
+    target_count: int,
+    *,
+    rng: np.random.Generator,
+    n_clusters: int = 20,
+    n_neighbors: int = 20,
+    n_rounds: int = 12,
+    density_tolerance: float = 0.01,
+    gap: float = 1e-3,
+    time_limit: float = 10.0,
+) -> Simplification:
+    """Keep ``target_count`` of the points; the settings are those of `simplify_uniformly`.
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, 3)
+    target_count : int
+        From 1 to n.
+    rng : numpy.random.Generator
+
+    Returns
+    -------
+    Simplification
+        New points; ``info["source"]`` has the row that each comes from.
+    """
+    return simplify_uniformly(
+        points,
+        target_count=target_count,
+        placed=True,
+        n_clusters=n_clusters,
+        n_neighbors=n_neighbors,
+        n_rounds=n_rounds,
+        density_tolerance=density_tolerance,
+        gap=gap,
+        time_limit=time_limit,
+        random_state=rng,
+    )

@@ -1,0 +1,57 @@
+"""Boolean programme per cluster that keeps the density and one point per blue-noise cell.
+
+Leal, Leal and Sanchez-Torres (2017), section V. The paper's future work made concrete: cells as many as the budget, smaller where the surface bends, corrected by
+exchanges against eq. 27; in each cluster the programme of eqs. 14-26 chooses one point of every cell so that the
+density is kept and the originals are represented best. From raw points; a subset of the input.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from lpcompare.lp.uniform_simplifier import simplify_uniformly
+from lpcompare.types import Points, Simplification, Traits
+
+TRAITS = Traits(
+    wraps="lpcompare (cvxpy, HiGHS)",
+    source="Leal and others, A Linear Programming Approach for 3D Point Cloud Simplification, 2017",
+)
+
+
+def lp_uniform(
+    points: Points,
+    target_count: int,
+    *,
+    rng: np.random.Generator,
+    n_clusters: int = 20,
+    n_neighbors: int = 20,
+    n_rounds: int = 12,
+    density_tolerance: float = 0.01,
+    gap: float = 1e-3,
+    time_limit: float = 10.0,
+) -> Simplification:
+    """Keep ``target_count`` of the points; the settings are those of `simplify_uniformly`.
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, 3)
+    target_count : int
+        From 1 to n.
+    rng : numpy.random.Generator
+
+    Returns
+    -------
+    Simplification
+        A subset of the input.
+    """
+    return simplify_uniformly(
+        points,
+        target_count=target_count,
+        n_clusters=n_clusters,
+        n_neighbors=n_neighbors,
+        n_rounds=n_rounds,
+        density_tolerance=density_tolerance,
+        gap=gap,
+        time_limit=time_limit,
+        random_state=rng,
+    )

@@ -1,0 +1,219 @@
+"""``lpcompare simplify`` from files to files, and what it says when it cannot."""
+
+import io
+import os
+import re
+import subprocess
+import sys
+
+import laspy
+import numpy as np
+import pytest
+from plyfile import PlyData
+
+from lpcompare.cli import main
+from lpcompare.io import read_point_cloud, write_point_cloud
+from lpcompare.types import PointCloud
+
+QUICK = ("--method", "random_sample", "--reduction", "0.9")
+
+
+@pytest.fixture
+def cloud():
+    rng = np.random.default_rng(4)
+    return PointCloud(
+        rng.normal(size=(400, 3)),
+        colors=rng.integers(0, 256, (400, 4)) / 255,
+        attributes={"label": rng.integers(0, 9, 400).astype(np.uint8)},
+        name="scan",
+    )
+
+
+@pytest.fixture
+def lpcompare(monkeypatch, capsysbinary):
+    """Run the command; returns exit code, standard output (bytes) and standard error (text)."""
+
+    def call(*words):
+        monkeypatch.setattr(sys, "argv", ["lpcompare", "simplify", *map(str, words)])
+        code = 0
+        try:
+            main()
+        except SystemExit as end:
+            code = end.code or 0
+        out = capsysbinary.readouterr()
+        return code, out.out, out.err.decode()
+
+    return call
+
+
+def test_the_default_method_keeps_the_count_and_every_attribute(lpcompare, cloud, tmp_path):
+    write_point_cloud(tmp_path / "scan.ply", cloud)
+    code, out, err = lpcompare(tmp_path / "scan.ply", tmp_path / "thin.ply", "--reduction", "0.9")
+    assert (code, err) == (0, "")
+    pattern = (
+        rb"scan\.ply: 400 -> 40 points by \w+, eq\. 27 error \d+\.\d{4} % of the diagonal \(.+ model units\)"
+    )
+    assert re.match(pattern, out)
+    thin = read_point_cloud(tmp_path / "thin.ply")
+    rows = {tuple(p): i for i, p in enumerate(cloud.points)}
+    kept = [rows[tuple(p)] for p in thin.points]
+    assert kept == sorted(kept)
+    assert np.array_equal(thin.attributes["label"], cloud.attributes["label"][kept])
+    assert np.array_equal(thin.colors, cloud.colors[kept])
+
+
+def test_the_same_seed_writes_the_same_file(lpcompare, cloud, tmp_path):
+    write_point_cloud(tmp_path / "scan.ply", cloud)
+    for name, seed in (("a", 1), ("b", 1), ("c", 2)):
+        lpcompare(tmp_path / "scan.ply", tmp_path / f"{name}.ply", *QUICK, "--seed", seed)
+    a, b, c = ((tmp_path / f"{name}.ply").read_bytes() for name in "abc")
+    assert a == b
+    assert a != c
+
+
+def test_a_count_may_stand_for_the_reduction(lpcompare, cloud, tmp_path):
+    write_point_cloud(tmp_path / "scan.laz", cloud)
+    code, *_ = lpcompare(
+        tmp_path / "scan.laz", tmp_path / "t.laz", "--count", 133, "--method", "random_sample"
+    )
+    assert code == 0
+    assert laspy.read(tmp_path / "t.laz").header.point_count == 133
+
+
+def test_several_inputs_and_patterns_go_to_a_folder_and_one_bad_file_stops_no_other(
+    lpcompare, cloud, tmp_path
+):
+    for name in ("a.ply", "b.ply"):
+        write_point_cloud(tmp_path / name, cloud)
+    (tmp_path / "broken.ply").write_bytes((tmp_path / "a.ply").read_bytes()[:-9])
+    code, out, err = lpcompare(tmp_path / "*.ply", tmp_path / "out", *QUICK)
+    assert code == 2
+    assert out.count(b"-> 40 points") == 2
+    assert err.count("\n") == 1
+    assert "broken.ply" in err
+    assert sorted(p.name for p in (tmp_path / "out").iterdir()) == ["a.ply", "b.ply"]
+
+
+def test_standard_output_is_a_ply_and_the_report_goes_to_standard_error(lpcompare, cloud, tmp_path):
+    write_point_cloud(tmp_path / "scan.npz", cloud)
+    code, out, err = lpcompare(tmp_path / "scan.npz", "-", *QUICK)
+    assert code == 0
+    assert len(PlyData.read(io.BytesIO(out))["vertex"].data) == 40
+    assert "400 -> 40 points" in err
+
+
+def test_another_format_says_what_it_cannot_hold(lpcompare, cloud, tmp_path):
+    write_point_cloud(tmp_path / "scan.ply", cloud)
+    code, out, _ = lpcompare(tmp_path / "scan.ply", tmp_path / "t.off", *QUICK)
+    assert code == 0
+    assert b".off holds no attributes" in out
+
+
+def test_moved_points_are_written_without_attributes_and_said_so(lpcompare, tmp_path):
+    ball = np.random.default_rng(0).normal(size=(300, 3))
+    write_point_cloud(tmp_path / "scan.ply", PointCloud(ball, attributes={"label": np.arange(300)}))
+    code, out, _ = lpcompare(
+        tmp_path / "scan.ply", tmp_path / "t.ply", "--method", "clustering_decimation", "--count", 30
+    )
+    assert code == 0
+    assert b"only coordinates" in out
+    assert read_point_cloud(tmp_path / "t.ply").attributes == {}
+
+
+def test_an_input_is_replaced_only_when_told(lpcompare, cloud, tmp_path):
+    path = tmp_path / "scan.ply"
+    write_point_cloud(path, cloud)
+    before = path.read_bytes()
+    code, _, err = lpcompare(path, path, *QUICK)
+    assert code == 2
+    assert "--force" in err
+    assert path.read_bytes() == before
+    (tmp_path / "link.ply").symlink_to(path)
+    assert lpcompare(path, tmp_path / "link.ply", *QUICK)[0] == 2
+    assert lpcompare(path, path, *QUICK, "--force")[0] == 0
+    assert len(read_point_cloud(path)) == 40
+
+
+@pytest.mark.parametrize(
+    ("words", "reason"),
+    [
+        ((), "either --reduction"),
+        (("--reduction", "0.5", "--count", "9"), "either --reduction"),
+        (("--reduction", "1.5"), "The reduction is 1.5"),
+        (("--reduction", "nan"), "The reduction is nan"),
+        (("--count", "0"), "1 to 400"),
+        (("--count", "401"), "1 to 400"),
+        (("--reduction", "0.5", "--method", "lp_densty"), "Did you mean 'lp_density'"),
+        (("--reduction", "0.5", "--set", "n_cluster=3"), "Did you mean 'n_clusters'"),
+        (("--reduction", "0.5", "--set", "n_clusters=many"), "must be"),
+        (("--reduction", "0.5", "--seed", "-1"), "seed is -1"),
+    ],
+)
+def test_wrong_orders_are_one_sentence(words, reason, lpcompare, cloud, tmp_path):
+    write_point_cloud(tmp_path / "scan.ply", cloud)
+    code, out, err = lpcompare(tmp_path / "scan.ply", tmp_path / "t.ply", *words)
+    assert (code, out) == (2, b"")
+    assert err.startswith("lpcompare: ")
+    assert err.count("\n") == 1
+    assert reason in err
+    assert not (tmp_path / "t.ply").exists()
+
+
+def spoilt(kind, suffix, cloud, folder):
+    """A file that cannot be worked on."""
+    path = folder / f"scan{suffix}"
+    points = cloud.points.copy()
+    if kind == "nan":
+        points[3, 0] = np.nan
+    write_point_cloud(path, PointCloud(points, colors=cloud.colors))
+    if kind == "empty":
+        path.write_bytes(b"")
+    elif kind == "truncated":
+        path.write_bytes(path.read_bytes()[: -path.stat().st_size // 3])
+    elif kind == "mislabelled":
+        path.write_bytes(b"\x89PNG\r\n\x1a\n" + bytes(range(256)))
+    elif kind == "unreadable":
+        path.chmod(0)
+    return path
+
+
+@pytest.mark.parametrize("suffix", [".ply", ".obj", ".off", ".xyz", ".npy", ".npz", ".pcd", ".laz"])
+@pytest.mark.parametrize("kind", ["empty", "truncated", "mislabelled", "nan", "unreadable"])
+def test_bad_files_are_one_sentence_and_no_output(kind, suffix, lpcompare, cloud, tmp_path):
+    if kind == "nan" and suffix == ".laz":
+        pytest.skip("LAS stores integers and holds no NaN")
+    if kind == "truncated" and suffix in (".xyz", ".obj"):
+        pytest.skip("rows without a count: a shorter file is a smaller cloud")
+    if kind == "unreadable" and os.geteuid() == 0:
+        pytest.skip("the superuser may read every file")
+    path = spoilt(kind, suffix, cloud, tmp_path)
+    code, out, err = lpcompare(path, tmp_path / f"out{suffix}", *QUICK)
+    assert (code, out) == (2, b"")
+    assert err.startswith("lpcompare: ")
+    assert err.count("\n") == 1
+    assert path.name in err
+    assert [p.name for p in tmp_path.iterdir()] == [path.name]
+
+
+def test_a_folder_that_is_not_there_is_refused_before_any_work(lpcompare, cloud, tmp_path):
+    write_point_cloud(tmp_path / "scan.ply", cloud)
+    assert "does not exist" in lpcompare(tmp_path / "scan.ply", tmp_path / "no" / "t.ply", *QUICK)[2]
+    assert "cannot be written" in lpcompare(tmp_path / "scan.ply", tmp_path / "t.stl", *QUICK)[2]
+
+
+def test_one_point_stays_one_point(lpcompare, tmp_path):
+    write_point_cloud(tmp_path / "one.ply", PointCloud(np.array([[5e5, 4e6, 100.0]])))
+    assert lpcompare(tmp_path / "one.ply", tmp_path / "t.ply", "--reduction", "0.9")[0] == 0
+    assert read_point_cloud(tmp_path / "t.ply").points.tolist() == [[5e5, 4e6, 100.0]]
+
+
+def test_an_interrupted_reader_of_the_output_is_no_traceback(cloud, tmp_path):
+    write_point_cloud(tmp_path / "scan.ply", cloud)
+    program = "from lpcompare.cli import main; main()"
+    command = [sys.executable, "-c", program, "simplify", str(tmp_path / "scan.ply"), "-", *QUICK]
+    child = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    child.stdout.close()
+    err = child.stderr.read().decode()
+    child.wait()
+    child.stderr.close()
+    assert "Traceback" not in err

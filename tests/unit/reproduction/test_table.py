@@ -1,0 +1,43 @@
+"""A table on disk: measured once per case, taken up after a kill."""
+
+import pytest
+
+from lpcompare.errors import InputError
+from lpcompare.reproduction.table import Table
+
+CASES = [{"model": "a", "k": k} for k in range(4)]
+
+
+def measure(case):
+    return {"square": case["k"] ** 2, "third": case["k"] / 3}
+
+
+def test_every_case_is_measured_once(tmp_path):
+    calls = []
+
+    def counted(case):
+        calls.append(case["k"])
+        return measure(case)
+
+    path = tmp_path / "t.csv"
+    list(Table(path, ("model", "k")).fill(CASES[:2], counted))
+    list(Table(path, ("model", "k")).fill(CASES, counted))
+    assert calls == [0, 1, 2, 3]
+    assert [r["square"] for r in Table(path, ("model", "k")).rows] == ["0", "1", "4", "9"]
+
+
+@pytest.mark.parametrize("cut", [1, 5, 9])
+def test_a_last_line_cut_by_a_kill_is_measured_again(tmp_path, cut):
+    path = tmp_path / "t.csv"
+    list(Table(path, ("model", "k")).fill(CASES, measure))
+    whole = path.read_text(encoding="utf-8")
+    path.write_text(whole[:-cut], encoding="utf-8")
+    list(Table(path, ("model", "k")).fill(CASES, measure))
+    assert path.read_text(encoding="utf-8") == whole
+
+
+def test_a_foreign_file_is_refused(tmp_path):
+    path = tmp_path / "t.csv"
+    path.write_text("x,y\n1,2\n", encoding="utf-8")
+    with pytest.raises(InputError, match="--out"):
+        Table(path, ("model", "k"))
