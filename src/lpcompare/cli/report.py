@@ -11,9 +11,15 @@ import typer
 def command(
     run: Annotated[Path, typer.Argument(help="Folder of a run, or its run.json.", show_default=False)],
     *,
-    out: Annotated[Path | None, typer.Option(help="The page. Default: report.html in the run's folder.")] = None,
-    reference: Annotated[str, typer.Option(help="Method that ratios are taken to. Default: poisson_disk.")] = "",
-    figures: Annotated[bool, typer.Option("--figures", help="Charts and clouds as SVG, PDF and PNG.")] = False,
+    out: Annotated[
+        Path | None, typer.Option(help="The page. Default: report.html in the run's folder.")
+    ] = None,
+    reference: Annotated[
+        str, typer.Option(help="Method that ratios are taken to. Default: poisson_disk.")
+    ] = "",
+    figures: Annotated[
+        bool, typer.Option("--figures", help="Charts and clouds as SVG, PDF and PNG.")
+    ] = False,
     latex: Annotated[bool, typer.Option("--latex", help="Tables for LaTeX (booktabs).")] = False,
     markdown: Annotated[bool, typer.Option("--markdown", help="The same tables in Markdown.")] = False,
     csv: Annotated[bool, typer.Option("--csv", help="One row per model, method and reduction.")] = False,
