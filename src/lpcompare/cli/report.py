@@ -22,6 +22,9 @@ def command(
     ] = False,
     latex: Annotated[bool, typer.Option("--latex", help="Tables for LaTeX (booktabs).")] = False,
     markdown: Annotated[bool, typer.Option("--markdown", help="The same tables in Markdown.")] = False,
+    page: Annotated[
+        bool, typer.Option("--page", help="README.md: all metrics against the reference.")
+    ] = False,
     csv: Annotated[bool, typer.Option("--csv", help="One row per model, method and reduction.")] = False,
     meshlab: Annotated[bool, typer.Option("--meshlab", help="A MeshLab project, quality = error.")] = False,
 ) -> None:
@@ -43,6 +46,10 @@ def command(
         from lpcompare.report.markdown import write_markdown
 
         written.append(write_markdown(loaded, loaded.folder / "tables.md"))
+    if page:
+        from lpcompare.report.study_page import write_study_page
+
+        written.append(write_study_page(loaded, loaded.folder / "README.md", reference))
     if csv:
         from lpcompare.report.cell_table import write_csv
 
