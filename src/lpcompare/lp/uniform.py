@@ -34,6 +34,22 @@ _CHANGES = 100
 
 
 @dataclass(frozen=True)
+class Stop:
+    """When HiGHS may stop.
+
+    Attributes
+    ----------
+    gap : float
+        Relative gap between solution and bound that counts as optimal.
+    time_limit : float
+        Seconds per cluster; at the limit the best solution so far is kept.
+    """
+
+    gap: float = 5e-3
+    time_limit: float = 10.0
+
+
+@dataclass(frozen=True)
 class SpreadCertificate:
     """What is proven about one cluster's selection.
 
@@ -46,7 +62,8 @@ class SpreadCertificate:
     density, reduced_density : float
         D_c of eq. 12 and D_cr of eq. 15.
     cost, bound : float
-        The programme's objective, in units of the cost of the cheapest choice per cell, and a proven lower bound.
+        The programme's objective, in units of the cheapest choice without the density row, and a proven
+        lower bound on it.
     n_candidates, n_keep : int
         Points to choose from (nc) and points chosen (nr).
     tolerance : float
@@ -93,9 +110,8 @@ def select_one_per_cell(
     cells: Indices,
     inverse_distances: Vector,
     *,
-    tolerance: float = 0.01,
-    gap: float = 5e-3,
-    time_limit: float = 10.0,
+    tolerance: float,
+    stop: Stop,
     cancelled: Event | None = None,
 ) -> tuple[Mask, SpreadCertificate]:
     """Choose one candidate of every cell of one cluster.
@@ -110,10 +126,7 @@ def select_one_per_cell(
         C_i of eq. 13 divided by D_c.
     tolerance : float
         Largest Z of eq. 14 that costs nothing, as a share of D_c.
-    gap : float
-        Relative gap between solution and bound that counts as optimal.
-    time_limit : float
-        Seconds.
+    stop : Stop
     cancelled : threading.Event, optional
         Ends the search soon after it is set.
 
@@ -133,13 +146,13 @@ def select_one_per_cell(
     cheapest = float(costs[_cheapest(costs, cells, order)].sum())
     model = _Model(costs / (cheapest or 1.0), cells, order, inverse_distances / n_keep, tolerance)
     start, bound = _relaxed_choice(model)
-    chosen, status, solver_bound = _solve(model, start, bound, gap, time_limit, cancelled)
+    chosen, status, solver_bound = _solve(model, start, bound, stop, cancelled)
     bound = max(bound, solver_bound)
     mask = np.zeros(len(costs), dtype=bool)
     mask[chosen] = True
     reduced, cost = float(model.rows[chosen].sum()), model.objective(chosen)
     return mask, SpreadCertificate(
-        status, abs(reduced - 1.0), 1.0, reduced, cost, min(bound, cost), len(costs), n_keep, gap
+        status, abs(reduced - 1.0), 1.0, reduced, cost, min(bound, cost), len(costs), n_keep, stop.gap
     )
 
 
@@ -183,13 +196,13 @@ def build_programme(model: _Model) -> cp.Problem:
             row @ x <= y,  # eq. 24
             -row @ x <= y,  # eq. 25
             y <= model.tolerance + e,
-            membership @ x == 1,
+            cp.Constant(membership) @ x == 1,
         ],
     )
 
 
 def _solve(
-    model: _Model, start: Indices, bound: float, gap: float, time_limit: float, cancelled: Event | None
+    model: _Model, start: Indices, bound: float, stop: Stop, cancelled: Event | None
 ) -> tuple[Indices, str, float]:
     problem = build_programme(model)
     x, y, e = (next(v for v in problem.variables() if v.name() == name) for name in "xye")
@@ -198,9 +211,9 @@ def _solve(
     outcome = solve_from(
         problem,
         {x: values, y: np.array(abs(model.deviation(start))), e: np.array(model.excess(start))},
-        objective_target=bound * (1 + gap),
-        time_limit=time_limit,
-        gap=gap,
+        objective_target=bound * (1 + stop.gap),
+        time_limit=stop.time_limit,
+        gap=stop.gap,
         cancelled=cancelled,
     )
     found = _cheapest(-np.asarray(x.value)[:-1], model.cells, model.order)

@@ -1,7 +1,8 @@
 """lp_uniform, each kept point moved to the minimum of its tangent-plane quadric.
 
-Leal, Leal and Sanchez-Torres (2017), section V. The selection of `lp_uniform`; the quadric of a point sums the squared distances to the tangent planes of the
-originals around it and needs no mesh. The row that each point comes from is ``info["source"]``.
+The selection of `lp_uniform` (Leal, Leal and Sanchez-Torres, 2017, section V). The quadric of a point sums
+the squared distances to the tangent planes of the originals around it (Garland and Heckbert, 1997) and needs
+no mesh. ``info["source"]`` has the row of the input that each point comes from.
 """
 
 from __future__ import annotations
