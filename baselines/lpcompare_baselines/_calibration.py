@@ -75,7 +75,7 @@ def _next(lower: _Probe | None, upper: _Probe | None, target_count: int, call: i
     x, n = lower or upper or (0.0, target_count)
     # on a surface the count falls with the square of the size; go a little farther, to pass the target
     step = 0.6 * log(max(n, 0.5) / target_count)
-    return x + step + (0.02 if n > target_count else -0.02)
+    return x + step + (0.02 if n > target_count else -0.02) * 1.5**call
 
 
 def surface_spacing(points: Points, target_count: int) -> float:

@@ -21,7 +21,9 @@ from lpcompare_baselines._meshlab import mesh_set
 _LARGEST_SKIP = 8192
 _EXACT_UP_TO = 20_000
 """Points up to which the count itself is searched; beyond, one in so many may be missed."""
-_MOST_CALLS = 80
+_FEWEST_CALLS, _MOST_CALLS = 24, 80
+_POINTS_PER_SEARCH = 3_000_000
+"""Points that all draws of a search may look at together, within those calls."""
 
 
 class Draw(NamedTuple):
@@ -42,7 +44,11 @@ def skip_draws(n_skipped: int) -> None:
 
 
 def search_draw(
-    sample: Callable[[float, int], Indices], target_count: int, start: float, rng: np.random.Generator
+    sample: Callable[[float, int], Indices],
+    n_points: int,
+    target_count: int,
+    start: float,
+    rng: np.random.Generator,
 ) -> Draw:
     """The draw whose count is nearest to the target.
 
@@ -52,13 +58,15 @@ def search_draw(
     ----------
     sample : callable
         Rows that a size and a number of skipped random numbers give.
-    target_count : int
+    n_points, target_count : int
+        Points there are, and points asked for.
     start : float
         The first size tried.
     rng : numpy.random.Generator
         Draws the first skip.
     """
     first, tried = draw_skip(rng), list[tuple[int, Draw]]()
+    max_calls = int(np.clip(_POINTS_PER_SEARCH // n_points, _FEWEST_CALLS, _MOST_CALLS))
 
     def count(size: float) -> int:
         draw = Draw(size, first + len(tried))
@@ -66,7 +74,7 @@ def search_draw(
         tried.append((abs(n - target_count), draw))
         return n
 
-    search_size(count, target_count, start, tolerance=target_count // _EXACT_UP_TO, max_calls=_MOST_CALLS)
+    search_size(count, target_count, start, tolerance=target_count // _EXACT_UP_TO, max_calls=max_calls)
     return min(tried)[1]
 
 

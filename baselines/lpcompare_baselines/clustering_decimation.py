@@ -13,7 +13,8 @@ from lpcompare.geometry.scale import bounding_box_center
 from lpcompare.types import Points, Simplification, Traits
 from lpcompare_baselines._calibration import search_size, surface_spacing
 from lpcompare_baselines._cells import meshlab_cells, n_occupied
-from lpcompare_baselines._meshlab import centred, check, mesh_set, ml
+from lpcompare_baselines._guards import check, check_distinct
+from lpcompare_baselines._meshlab import centred, mesh_set, ml
 
 TRAITS = Traits(
     wraps="pymeshlab meshing_decimation_clustering",
@@ -26,8 +27,15 @@ TRAITS = Traits(
 
 
 def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) -> dict[str, float]:
-    """Cell size, in model units, with the number of occupied cells nearest to ``target_count``."""
+    """Cell size, in model units, with the number of occupied cells nearest to ``target_count``.
+
+    Raises
+    ------
+    NotApplicable
+        Fewer distinct points exist than are asked for.
+    """
     check(points, target_count)
+    check_distinct(points, target_count)
     start, moved = surface_spacing(points, target_count), centred(points)
     return {"cell_size": search_size(lambda c: n_occupied(meshlab_cells(moved, c)), target_count, start)}
 

@@ -11,7 +11,8 @@ import numpy as np
 
 from lpcompare.types import Indices, Points, Simplification, Traits
 from lpcompare_baselines._draws import draw_skip, search_draw, skip_draws
-from lpcompare_baselines._meshlab import check, check_distinct, mesh_set, rows_of
+from lpcompare_baselines._guards import check, check_distinct
+from lpcompare_baselines._meshlab import mesh_set, rows_of
 
 TRAITS = Traits(
     wraps="pymeshlab generate_simplified_point_cloud",
@@ -39,7 +40,7 @@ def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) ->
     def sample(excess: float, n_skipped: int) -> Indices:
         return _sample(points, _asked(target_count, excess), n_skipped)
 
-    draw = search_draw(sample, target_count, _USUAL_EXCESS, rng)
+    draw = search_draw(sample, len(points), target_count, _USUAL_EXCESS, rng)
     return {"samplenum": _asked(target_count, draw.size), "n_skipped": draw.n_skipped}
 
 

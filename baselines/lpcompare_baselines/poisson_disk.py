@@ -14,7 +14,8 @@ import numpy as np
 from lpcompare.types import Indices, Points, Simplification, Traits
 from lpcompare_baselines._calibration import surface_spacing
 from lpcompare_baselines._draws import draw_skip, search_draw, skip_draws
-from lpcompare_baselines._meshlab import check, check_distinct, mesh_set, ml, rows_of
+from lpcompare_baselines._guards import check, check_distinct
+from lpcompare_baselines._meshlab import mesh_set, ml, rows_of
 
 TRAITS = Traits(
     wraps="pymeshlab generate_sampling_poisson_disk (subsample)",
@@ -36,7 +37,7 @@ def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) ->
     check(points, target_count)
     check_distinct(points, target_count)
     start = surface_spacing(points, target_count)
-    draw = search_draw(lambda size, skip: _sample(points, size, skip), target_count, start, rng)
+    draw = search_draw(lambda size, skip: _sample(points, size, skip), len(points), target_count, start, rng)
     return {"radius": draw.size, "n_skipped": draw.n_skipped}
 
 
