@@ -1,4 +1,4 @@
-"""The numbers behind the page's charts; assets/charts.js draws them with plotly.js for what is chosen there."""
+"""The numbers behind the page's charts; assets/charts.js draws with plotly.js what is chosen there."""
 
 from __future__ import annotations
 

@@ -93,8 +93,8 @@ def draw_ratios(axes: Axes, cells: Sequence[Cell], reference: str) -> None:
     places = {method: i for i, method in enumerate(sorted(worst, key=lambda m: -worst[m]))}
     for cell in judged:
         style = styles[cell.method]
-        axes.plot(cell.value(ERROR) / base[cell.reduction], places[cell.method], style.marker, color=style.color,
-                  ms=3 + 4 * cell.reduction)  # fmt: skip
+        ratio, size = cell.value(ERROR) / base[cell.reduction], 3 + 4 * cell.reduction
+        axes.plot(ratio, places[cell.method], style.marker, color=style.color, ms=size)
     axes.axvline(1, color="0.6", lw=1)
     axes.set_yticks(list(places.values()), [_plain(method) for method in places])
     if judged and min(c.value(ERROR) for c in judged) > 0:

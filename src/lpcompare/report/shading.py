@@ -14,7 +14,7 @@ _BLOCK = 65536
 
 
 def local_normals(points: Points) -> Points:
-    """Unit normals (n, 3) of the plane through the neighbours of each point (n, 3); their sign is arbitrary."""
+    """Unit normals (n, 3) of the plane through the neighbours of each point; their sign is arbitrary."""
     if len(points) < 3:
         return np.tile([0.0, 0.0, 1.0], (len(points), 1))
     centred = points - bounding_box_center(points)
@@ -26,11 +26,11 @@ def local_normals(points: Points) -> Points:
 
 
 def brightness(normals: Points, light: Vector) -> Vector:
-    """From 0 to 1 (n,): how squarely each surface faces a light from the unit direction (3,), on either side."""
+    """From 0 to 1 (n,): how squarely each surface faces a light from a unit direction, on either side."""
     return np.abs(normals @ light)
 
 
 def up_axis(points: Points) -> str:
-    """The axis to draw upright: z for a cloud that lies flat in x and y, as scanned ground does; y otherwise."""
+    """The axis to draw upright: z for a cloud that is flat in x and y, as scanned ground is; y otherwise."""
     x, y, z = np.ptp(points, axis=0)
     return "z" if z < 0.5 * min(x, y) else "y"
