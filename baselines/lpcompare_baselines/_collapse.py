@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 
 from lpcompare.types import PointCloud, Points
 from lpcompare_baselines._faces import faces_of, search_n_faces
-from lpcompare_baselines._meshlab import check, mesh_set
+from lpcompare_baselines._guards import check
+from lpcompare_baselines._meshlab import mesh_set
 
 
 def search_faces(points: Points, target_count: int, cloud: PointCloud | None, *, optimal: bool) -> int:

@@ -1,7 +1,4 @@
-"""MeshLab's filters on clean points only, asked which rows they kept.
-
-What reaches a filter unguarded can hang or kill the process: such input is declined here.
-"""
+"""MeshLab's layers, and the rows of the input that a filter kept."""
 
 from __future__ import annotations
 
@@ -10,38 +7,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lpcompare.errors import InputError, NotApplicable
-from lpcompare.geometry.scale import bounding_box_center
+from lpcompare.errors import InputError
+from lpcompare.geometry.scale import bounding_box_center, bounding_box_diagonal
 from lpcompare.mesh_library import pymeshlab
 from lpcompare.types import Indices, Points
 
 ml = pymeshlab()
 
-
-def check(points: Points, target_count: int) -> None:
-    """Refuse what makes a filter hang, crash or return nonsense.
-
-    Raises
-    ------
-    InputError
-        The cloud is empty or holds NaN or infinity, or the count is not from 1 to n.
-    """
-    if len(points) == 0 or not np.isfinite(points).all():
-        raise InputError("The cloud is empty or has NaN or infinite coordinates; remove those points first.")
-    if not 1 <= target_count <= len(points):
-        raise InputError(
-            f"target_count is {target_count}; it must be from 1 to the {len(points)} points given."
-        )
-
-
-def check_distinct(points: Points, target_count: int) -> None:
-    """Decline a count that a filter which drops duplicates cannot return; raises NotApplicable."""
-    n_distinct = len(np.unique(points, axis=0))
-    if target_count > n_distinct:
-        raise NotApplicable(
-            f"{target_count} points are asked for, but only {n_distinct} of the {len(points)} are distinct; "
-            "ask for fewer."
-        )
+_FINEST = 1e-6
+"""Share of the bounding box's diagonal."""
 
 
 def centred(points: Points) -> Points:
@@ -61,3 +35,24 @@ def mesh_set(points: Points, faces: NDArray[np.intp] | None = None) -> Any:
 def rows_of(meshes: Any) -> Indices:
     """Rows of the input that the current layer holds, ascending; the scalar carries them through a filter."""
     return np.sort(meshes.current_mesh().vertex_scalar_array().astype(np.intp))
+
+
+def finest_length(points: Points) -> float:
+    """The smallest radius or cell size that filters are given: on much smaller ones they run for ever."""
+    return _FINEST * (bounding_box_diagonal(points) or 1.0)
+
+
+def length(value: float, points: Points) -> Any:
+    """A radius or cell size as MeshLab takes it, in model units.
+
+    Raises
+    ------
+    InputError
+        The length is not finite or too small for the cloud.
+    """
+    finest = finest_length(points)
+    if not 0.99 * finest <= value < np.inf:
+        raise InputError(
+            f"A radius or cell size is {value}; on this cloud it must be finite and at least {finest:.3g}."
+        )
+    return ml.PureValue(value)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from lpcompare.geometry.scale import bounding_box_center
 from lpcompare.types import PointCloud, Points, Simplification, Traits
 from lpcompare_baselines._faces import faces_of, search_n_faces
+from lpcompare_baselines._guards import check
 
 TRAITS = Traits(
     wraps="fast_simplification.simplify",
@@ -29,6 +30,7 @@ def calibrate(
     points: Points, target_count: int, *, rng: np.random.Generator, cloud: PointCloud | None = None
 ) -> dict[str, int]:
     """Number of faces that leaves ``target_count`` points; raises as `quadric_decimation` does."""
+    check(points, target_count)
     faces = faces_of(cloud, target_count)
     return {"n_faces": search_n_faces(lambda n: len(_collapse(points, faces, n)), target_count, len(faces))}
 
@@ -67,6 +69,7 @@ def quadric_decimation(
     InputError
         A face names a point that does not exist.
     """
+    check(points, target_count)
     faces = faces_of(cloud, target_count)
     if n_faces is None:
         n_faces = calibrate(points, target_count, rng=rng, cloud=cloud)["n_faces"]

@@ -11,6 +11,7 @@ from lpcompare.geometry.scale import bounding_box_center
 from lpcompare.types import Points, Simplification, Traits
 from lpcompare_baselines._calibration import search_size, surface_spacing
 from lpcompare_baselines._cells import cell_means, grid_cells, n_occupied
+from lpcompare_baselines._guards import check, check_distinct
 
 TRAITS = Traits(
     wraps="numpy",
@@ -23,7 +24,15 @@ TRAITS = Traits(
 
 
 def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) -> dict[str, float]:
-    """Edge, in model units, with the number of occupied cubes nearest to ``target_count``."""
+    """Edge, in model units, with the number of occupied cubes nearest to ``target_count``.
+
+    Raises
+    ------
+    NotApplicable
+        Fewer distinct points exist than are asked for.
+    """
+    check(points, target_count)
+    check_distinct(points, target_count)
     start = surface_spacing(points, target_count)
     return {"cell_size": search_size(lambda c: n_occupied(grid_cells(points, c)), target_count, start)}
 
@@ -48,6 +57,7 @@ def voxel_centroid(
     Simplification
         New points, as many as cubes are occupied.
     """
+    check(points, target_count)
     if cell_size is None:
         cell_size = calibrate(points, target_count, rng=rng)["cell_size"]
     center = bounding_box_center(points)

@@ -8,11 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpcompare.geometry.neighbors import Neighbors
-from lpcompare.geometry.planes import plane_distances
+from lpcompare.geometry.planes import fit_planes, plane_distances
 from lpcompare.geometry.scale import bounding_box_center, bounding_box_diagonal
 from lpcompare.types import Points, Vector
 
 _LARGEST_NEIGHBORHOOD = 12
+_NORMAL_NEIGHBORS = 10
 
 
 class Comparison:
@@ -51,6 +52,10 @@ class Comparison:
     def _backward(self) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
         return self.original_neighbors.query(self.simplified, 1)
 
+    @cached_property
+    def _within(self) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
+        return self.simplified_neighbors.query(self.simplified, _NORMAL_NEIGHBORS)
+
     @property
     def forward_distances(self) -> Vector:
         """Distance of each original to its nearest simplified point, shape (n,), in model units."""
@@ -70,6 +75,23 @@ class Comparison:
     def backward_nearest(self) -> NDArray[np.intp]:
         """Row of the nearest original of each simplified point, shape (m,)."""
         return self._backward[1][:, 0]
+
+    @property
+    def spacings(self) -> Vector:
+        """Distance of each simplified point to the next one, shape (m,), in model units; 0 for one alone."""
+        distances = self._within[0]
+        return distances[:, 1] if distances.shape[1] > 1 else np.zeros(len(self.simplified))
+
+    @cached_property
+    def original_normals(self) -> Points:
+        """Unit normal of each original's plane through its 10 nearest, shape (n, 3), no sign."""
+        _, nearest = self.original_neighbors.query(self.original, _NORMAL_NEIGHBORS)
+        return fit_planes(self.original[nearest])[1]
+
+    @cached_property
+    def simplified_normals(self) -> Points:
+        """Unit normal of each simplified point's plane through its 10 nearest, shape (m, 3), no sign."""
+        return fit_planes(self.simplified[self._within[1]])[1]
 
     def plane_errors(self, n_neighbors: int) -> Vector:
         """Eq. 27 before the mean: distance of each original to the plane of its nearest simplified points.

@@ -1,0 +1,34 @@
+"""What is checked before a rival sees a cloud."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from lpcompare.errors import InputError, NotApplicable
+from lpcompare.types import Points
+
+
+def check(points: Points, target_count: int) -> None:
+    """Refuse a cloud or a count that cannot be worked on; MeshLab hangs on some of them.
+
+    Raises
+    ------
+    InputError
+        The cloud is empty or holds NaN or infinity, or the count is not from 1 to n.
+    """
+    if len(points) == 0 or not np.isfinite(points).all():
+        raise InputError("The cloud is empty or has NaN or infinite coordinates; remove those points first.")
+    if not 1 <= target_count <= len(points):
+        raise InputError(
+            f"target_count is {target_count}; it must be from 1 to the {len(points)} points given."
+        )
+
+
+def check_distinct(points: Points, target_count: int) -> None:
+    """Decline a count that a method which drops duplicates cannot return; raises NotApplicable."""
+    n_distinct = len(np.unique(points, axis=0))
+    if target_count > n_distinct:
+        raise NotApplicable(
+            f"{target_count} points are asked for, but only {n_distinct} of the {len(points)} are distinct; "
+            "ask for fewer."
+        )

@@ -1,0 +1,39 @@
+"""Mean distance between the clouds: how far a point is from the other cloud, each way and the larger.
+
+Directed means as in Cignoni, Rocchini and Scopigno, Metro, Computer Graphics Forum 17(2), 1998, between
+points rather than surfaces. For a subset the way back is zero.
+"""
+
+from __future__ import annotations
+
+from lpcompare.comparison import Comparison
+from lpcompare.types import Column
+
+COLUMNS = {
+    "mean_distance_pct": Column("% of diagonal", "Mean distance, the larger of both ways", sides="both"),
+    "mean_distance_forward_pct": Column("% of diagonal", "Mean distance of an original to the reduced cloud"),
+    "mean_distance_backward_pct": Column(
+        "% of diagonal", "Mean distance of a reduced point to the original", sides="reduced to original"
+    ),
+}
+
+
+def mean_distance(comparison: Comparison) -> dict[str, float]:
+    """Mean nearest-neighbour distance, one way, the other and either.
+
+    Parameters
+    ----------
+    comparison : Comparison
+
+    Returns
+    -------
+    dict of str to float
+        One value per entry of ``COLUMNS``.
+    """
+    forward = comparison.percent(float(comparison.forward_distances.mean()))
+    backward = comparison.percent(float(comparison.backward_distances.mean()))
+    return {
+        "mean_distance_pct": max(forward, backward),
+        "mean_distance_forward_pct": forward,
+        "mean_distance_backward_pct": backward,
+    }
