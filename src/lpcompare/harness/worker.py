@@ -23,7 +23,7 @@ import numpy as np
 from lpcompare.errors import LpcompareError, NotApplicable, Unavailable
 from lpcompare.harness.clouds import load_cloud, save_arrays
 from lpcompare.harness.limits import die_with_parent, limit_memory, peak_memory_mib
-from lpcompare.harness.verdict import fault
+from lpcompare.harness.verdict import fault, shortfall
 from lpcompare.registry import METHODS, METRICS
 from lpcompare.types import Indices, PointCloud, Simplification
 
@@ -148,6 +148,7 @@ def _simplify(request: dict[str, Any], reply: Reply) -> Simplification | None:
     if wrong:
         reply.write(status="failed", message=wrong)
         return None
+    reply.fields["message"] = shortfall(len(result), target, case.traits)
     if request["refine"] and result.indices is not None:
         result = _refine(before, result, result.indices, reply)
     reply.write(**_facts(result))
@@ -192,7 +193,7 @@ def _judge(request: dict[str, Any], result: Simplification, reply: Reply) -> Non
         try:
             values = METRICS.get(name)(comparison)
         except LpcompareError as error:
-            reply.fields["message"] += f"Metric {name}: {error} "
+            reply.fields["message"] = f"{reply.fields['message']} Metric {name}: {error}".strip()
             values = {}
         numbers = {k: float(v) if math.isfinite(v) else None for k, v in values.items()}
         reply.write(metrics=reply.fields["metrics"] | numbers)

@@ -10,10 +10,10 @@ from lpcompare.harness.compare import RUNTIME_MARGIN, MethodDifference, compare_
 from lpcompare.harness.record import Run
 from lpcompare.harness.statistics import Difference
 from lpcompare.harness.within import BASELINE, compare_methods
+from lpcompare.report.alignment import WIDTH, align
 from lpcompare.report.cells import gather_cells
 from lpcompare.report.columns import headings
 from lpcompare.report.ranks import rank_over_models
-from lpcompare.report.table import WIDTH, align
 
 _HEAD = ("method", "pairs", "wall ratio", "CPU ratio", "runtime", "eq. 27", "error", "same")
 
@@ -99,6 +99,6 @@ def _legend(first: Run, second: Run) -> str:
     return (
         "Ratios: second run over first, 95 % interval of the geometric mean over the pairs, by wall clock "
         "and in processor time, both in units of a fixed piece of work done around each call. eq. 27: % "
-        "of the diagonal; same: pairs with identical points. Called different at 5 % over all methods (paired "
-        f"t on logarithms, Holm), runtimes only beyond {100 * RUNTIME_MARGIN:g} %.{warning}"
+        "of the diagonal; same: pairs with identical points. Called different at 5 % over all methods (paired"
+        f" t on logarithms, Holm), runtimes only beyond {100 * RUNTIME_MARGIN:g} %.{warning}"
     )
