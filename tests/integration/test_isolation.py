@@ -31,7 +31,7 @@ NAUGHTY = {
 def run_methods(lpcompare, cloud_file, out, methods):
     words = [word for name in methods for word in ("--method", name)]
     done = lpcompare(
-        "run", "--model", cloud_file, *words, "--reduction", 0.8, "--time-limit", 3, "--memory-limit", 1024,
+        "run", "--model", cloud_file, *words, "--reduction", 0.8, "--time-limit", 10, "--memory-limit", 1024,
         "--out", out,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr

@@ -11,11 +11,20 @@ import typer
 def command(
     run: Annotated[Path, typer.Argument(help="Folder of a run, or its run.json.", show_default=False)],
     *,
-    out: Annotated[Path | None, typer.Option(help="The page. Default: report.html in the run's folder.")] = None,
-    reference: Annotated[str, typer.Option(help="Method that ratios are taken to. Default: poisson_disk.")] = "",
-    figures: Annotated[bool, typer.Option("--figures", help="Charts and clouds as SVG, PDF and PNG.")] = False,
+    out: Annotated[
+        Path | None, typer.Option(help="The page. Default: report.html in the run's folder.")
+    ] = None,
+    reference: Annotated[
+        str, typer.Option(help="Method that ratios are taken to. Default: poisson_disk.")
+    ] = "",
+    figures: Annotated[
+        bool, typer.Option("--figures", help="Charts and clouds as SVG, PDF and PNG.")
+    ] = False,
     latex: Annotated[bool, typer.Option("--latex", help="Tables for LaTeX (booktabs).")] = False,
     markdown: Annotated[bool, typer.Option("--markdown", help="The same tables in Markdown.")] = False,
+    page: Annotated[
+        bool, typer.Option("--page", help="README.md: all metrics against the reference.")
+    ] = False,
     csv: Annotated[bool, typer.Option("--csv", help="One row per model, method and reduction.")] = False,
     meshlab: Annotated[bool, typer.Option("--meshlab", help="A MeshLab project, quality = error.")] = False,
 ) -> None:
@@ -37,6 +46,10 @@ def command(
         from lpcompare.report.markdown import write_markdown
 
         written.append(write_markdown(loaded, loaded.folder / "tables.md"))
+    if page:
+        from lpcompare.report.study_page import write_study_page
+
+        written.append(write_study_page(loaded, loaded.folder / "README.md", reference))
     if csv:
         from lpcompare.report.cell_table import write_csv
 

@@ -36,7 +36,7 @@ def load_arrays(path: Path) -> dict[str, NDArray[Any]]:
         The file is missing, truncated or not an .npz.
     """
     try:
-        with np.load(path, allow_pickle=False) as file:
+        with path.open("rb") as stream, np.load(stream, allow_pickle=False) as file:
             return dict(file)
     except (OSError, ValueError, EOFError, zipfile.BadZipFile) as error:
         raise InputError(

@@ -144,16 +144,15 @@ class _Runner:
         case = self.cases[number]
         listener(case, None)
         blank = self._blank(case)
-        record = self._kept(blank)
-        if record is None:
-            record = self._compute(case, blank)
-            with self.lock:
-                self.store.append(record)
+        kept = self._kept(blank)
+        record = kept or self._compute(case, blank)
         with self.lock:
-            self.done[number] = record
+            self.done[number] = record  # before the disk: an interrupt between the two must not lose it
+            if kept is None:
+                self.store.append(record)
             if case.variant.method == REFERENCE and record.n_output:
                 self.reached.setdefault(_group(case), record.n_output)
-            listener(case, record, reused=record.key in self.earlier)
+            listener(case, record, reused=kept is not None)
 
     def _kept(self, blank: Record) -> Record | None:
         """The record of an earlier start, if its cloud is still there."""

@@ -1,10 +1,10 @@
 """Blue-noise cells: where the kept points of `lp_uniform` go, and how many of them.
 
-The error of a reduced surface is about curvature times spacing squared. For a fixed number of points the mean
-over the surface is least when the points are as dense as the root of the curvature; for the mean over the
-originals, which eq. 27 takes, as the root of curvature times the density of the originals. Weights between the
-two make cells of equal weight, and a power of the inverse distance tilts them so that the selection keeps the
-density of each cluster (eq. 15) on average; the programme then only has to settle the rest.
+The error of a reduced surface is about curvature times spacing squared. For a fixed number of points the
+mean over the surface is least when the points are as dense as the root of the curvature; for the mean over
+the originals, which eq. 27 takes, as the root of curvature times the density of the originals. Weights
+between the two make cells of equal weight, and a power of the inverse distance tilts them so that the
+selection keeps the density of each cluster (eq. 15) on average; the programme then settles the rest.
 """
 
 from __future__ import annotations
@@ -161,7 +161,7 @@ def _sort_along_axes(points: Points, rows: Indices, starts: Indices, sizes: Indi
 
 
 def _cuts(weights: Vector, starts: Indices, sizes: Indices, counts: Indices, left: Indices) -> Indices:
-    """Where each part is cut so that its halves weigh as ``left`` to the rest, with a point for every cell."""
+    """Where each part is cut so that its halves weigh as ``left`` to the rest, a point for every cell."""
     running = np.cumsum(weights)
     before = running[starts] - weights[starts]
     total = running[starts + sizes - 1] - before

@@ -92,6 +92,13 @@ def check_choice(name: str, value: object, allowed: Iterable[str]) -> str:
     return str(value)
 
 
+def check_seed(random_state: object) -> np.random.Generator:
+    """A generator from a non-negative integer, a generator, or None for fresh randomness."""
+    if random_state is None or isinstance(random_state, np.random.Generator):
+        return np.random.default_rng(random_state)
+    return np.random.default_rng(check_integer("random_state", random_state, 0))
+
+
 def check_solver(name: object) -> str:
     """Return "highs", "highs-cold", or a mixed-integer solver that cvxpy finds installed."""
     if name in ("highs", "highs-cold"):

@@ -21,7 +21,7 @@ from lpcompare.types import Indices, Points, Vector
 FIT_LIMIT = 50_000
 """Larger clouds are fitted on a random subsample of this many points and the fit is applied to all."""
 
-_START_LIMIT = 8_000
+_START_LIMIT = 16_000
 _BLOCK = 4096
 _TINIEST = 1e-280
 _PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
@@ -179,10 +179,11 @@ def _features(points: Points) -> NDArray[np.float64]:
 
 def _log_density_coefficients(mixture: Mixture) -> NDArray[np.float64]:
     """Log w_c p(x|c) as coefficients of the monomials, shape (10, K)."""
-    means, precisions = mixture.means, np.linalg.inv(mixture.covariances)
+    # by eigenvectors: an inverse would lose the digits of components that are nearly flat
+    variances, axes = np.linalg.eigh(mixture.covariances)
+    means, precisions = mixture.means, (axes / variances[:, None]) @ axes.transpose(0, 2, 1)
     linear = np.einsum("cij,cj->ci", precisions, means)
-    _, log_det = np.linalg.slogdet(mixture.covariances)
-    constant = -0.5 * (3 * np.log(2 * np.pi) + log_det + np.einsum("ci,ci->c", means, linear))
+    constant = -0.5 * (3 * np.log(2 * np.pi) + np.log(variances).sum(axis=1) + np.einsum("ci,ci->c", means, linear))
     square = -0.5 * precisions[:, range(3), range(3)]
     cross = -precisions[:, (0, 0, 1), (1, 2, 2)]
     rows = np.column_stack([np.log(mixture.weights) + constant, linear, square, cross])

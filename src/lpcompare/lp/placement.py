@@ -1,8 +1,9 @@
 """`lp_placed`: kept points moved to where they represent the originals around them best.
 
-A kept point on a convex surface lies on it, and every plane through kept points cuts below it. The minimum of
-its tangent-plane quadric lies a little outside, or on the edge where planes meet. The quadric needs no mesh; it
-is held to the kept point where the planes say nothing, and no point moves farther than a share of its spacing.
+Kept points of a convex surface lie on it, so that every plane through them cuts below it. The minimum of the
+tangent-plane quadric of a point lies a little outside, or on the edge where planes meet. The quadric needs no
+mesh; it is held to the kept point where the planes say nothing, and no point moves farther than a share of
+its spacing.
 """
 
 from __future__ import annotations
@@ -13,8 +14,8 @@ from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.lp.quadrics import Surface, tangent_quadrics
 from lpcompare.types import Indices, Points
 
-_STIFFNESS = 0.03
-_LARGEST_STEP = 0.5
+_STIFFNESS = 0.1
+_LARGEST_STEP = 0.25
 
 
 def place_points(points: Points, surface: Surface, indices: Indices) -> Points:
@@ -32,7 +33,7 @@ def place_points(points: Points, surface: Surface, indices: Indices) -> Points:
     Returns
     -------
     ndarray, shape (m, 3)
-        In the order of ``indices``, each at most half its distance to the next kept point away from its row.
+        In the order of ``indices``, each moved by at most a quarter of its distance to the next kept point.
     """
     sites = points[indices]
     moved = tangent_quadrics(points, surface, sites).minima(_STIFFNESS)

@@ -142,16 +142,20 @@ def _select_cold(
             warnings.simplefilter("ignore", UserWarning)
             problem.solve(solver=name, **limits)
     except cp.SolverError as error:
-        raise SolverError(f"Solver {name} failed on a cluster of {len(costs)} points: {error}") from error
+        raise _no_selection(name, n_keep, len(costs)) from error
     if x.value is None:
-        raise SolverError(
-            f"Solver {name} ended with {problem.status!r} and no selection of {n_keep} of {len(costs)} "
-            "points; raise time_limit or try solver='highs'."
-        )
+        raise _no_selection(name, n_keep, len(costs))
     status = {"optimal": "optimal", "user_limit": "time limit"}.get(str(problem.status), "inaccurate")
     mask = _rounded(x, n_keep)
     bound = goal.objective(costs[mask]) if status == "optimal" else 0.0
     return mask, certify(costs, mask, goal, status, bound)
+
+
+def _no_selection(name: str, n_keep: int, n_points: int) -> SolverError:
+    return SolverError(
+        f"Solver {name} found no selection of {n_keep} of {n_points} points; raise time_limit "
+        "or try solver='highs'."
+    )
 
 
 def _rounded(x: cp.Variable, n_keep: int) -> Mask:

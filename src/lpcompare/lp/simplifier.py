@@ -14,6 +14,7 @@ from lpcompare.lp.checks import (
     check_cloud,
     check_integer,
     check_number,
+    check_seed,
     check_solver,
     check_target,
 )
@@ -184,7 +185,7 @@ class LPSimplifier(BaseEstimator):
         points = check_cloud(X)
         target_count = check_target(len(points), self.target_reduction, self.target_count)
         self._check_settings()
-        rng = np.random.default_rng(self.random_state)
+        rng = check_seed(self.random_state)
         cloud, center, scale = normalize(points)
         clock = StageClock(self.callback)
 

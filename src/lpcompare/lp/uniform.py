@@ -30,6 +30,23 @@ from lpcompare.types import Indices, Mask, Vector
 
 _EXCESS_PRICE = 100.0
 _MULTIPLIER_STEPS = 60
+_CHANGES = 100
+
+
+@dataclass(frozen=True)
+class Stop:
+    """When HiGHS may stop.
+
+    Attributes
+    ----------
+    gap : float
+        Relative gap between solution and bound that counts as optimal.
+    time_limit : float
+        Seconds per cluster; at the limit the best solution so far is kept.
+    """
+
+    gap: float = 5e-3
+    time_limit: float = 10.0
 
 
 @dataclass(frozen=True)
@@ -45,7 +62,8 @@ class SpreadCertificate:
     density, reduced_density : float
         D_c of eq. 12 and D_cr of eq. 15.
     cost, bound : float
-        The programme's objective, in units of the cost of the cheapest choice per cell, and a proven lower bound.
+        The programme's objective, in units of the cheapest choice without the density row, and a proven
+        lower bound on it.
     n_candidates, n_keep : int
         Points to choose from (nc) and points chosen (nr).
     tolerance : float
@@ -92,9 +110,8 @@ def select_one_per_cell(
     cells: Indices,
     inverse_distances: Vector,
     *,
-    tolerance: float = 0.01,
-    gap: float = 1e-3,
-    time_limit: float = 10.0,
+    tolerance: float,
+    stop: Stop,
     cancelled: Event | None = None,
 ) -> tuple[Mask, SpreadCertificate]:
     """Choose one candidate of every cell of one cluster.
@@ -109,10 +126,7 @@ def select_one_per_cell(
         C_i of eq. 13 divided by D_c.
     tolerance : float
         Largest Z of eq. 14 that costs nothing, as a share of D_c.
-    gap : float
-        Relative gap between solution and bound that counts as optimal.
-    time_limit : float
-        Seconds.
+    stop : Stop
     cancelled : threading.Event, optional
         Ends the search soon after it is set.
 
@@ -131,16 +145,14 @@ def select_one_per_cell(
     order = np.argsort(cells, kind="stable")
     cheapest = float(costs[_cheapest(costs, cells, order)].sum())
     model = _Model(costs / (cheapest or 1.0), cells, order, inverse_distances / n_keep, tolerance)
-    chosen, bound = _relaxed_choice(model)
-    status = "optimal"
-    if model.objective(chosen) > bound * (1 + gap):
-        chosen, status, solver_bound = _solve(model, chosen, bound, gap, time_limit, cancelled)
-        bound = max(bound, solver_bound)
+    start, bound = _relaxed_choice(model)
+    chosen, status, solver_bound = _solve(model, start, bound, stop, cancelled)
+    bound = max(bound, solver_bound)
     mask = np.zeros(len(costs), dtype=bool)
     mask[chosen] = True
     reduced, cost = float(model.rows[chosen].sum()), model.objective(chosen)
     return mask, SpreadCertificate(
-        status, abs(reduced - 1.0), 1.0, reduced, cost, min(bound, cost), len(costs), n_keep, gap
+        status, abs(reduced - 1.0), 1.0, reduced, cost, min(bound, cost), len(costs), n_keep, stop.gap
     )
 
 
@@ -154,9 +166,13 @@ class _Model:
     rows: Vector
     tolerance: float
 
+    def deviation(self, chosen: Indices) -> float:
+        """D_cr - D_c: Z of eq. 14 with its sign."""
+        return float(self.rows[chosen].sum()) - 1.0
+
     def excess(self, chosen: Indices) -> float:
         """What Z of eq. 14 exceeds the tolerance by."""
-        return max(abs(float(self.rows[chosen].sum()) - 1.0) - self.tolerance, 0.0)
+        return max(abs(self.deviation(chosen)) - self.tolerance, 0.0)
 
     def objective(self, chosen: Indices) -> float:
         return float(self.costs[chosen].sum()) + _EXCESS_PRICE * self.excess(chosen)
@@ -180,25 +196,24 @@ def build_programme(model: _Model) -> cp.Problem:
             row @ x <= y,  # eq. 24
             -row @ x <= y,  # eq. 25
             y <= model.tolerance + e,
-            membership @ x == 1,
+            cp.Constant(membership) @ x == 1,
         ],
     )
 
 
 def _solve(
-    model: _Model, start: Indices, bound: float, gap: float, time_limit: float, cancelled: Event | None
+    model: _Model, start: Indices, bound: float, stop: Stop, cancelled: Event | None
 ) -> tuple[Indices, str, float]:
     problem = build_programme(model)
     x, y, e = (next(v for v in problem.variables() if v.name() == name) for name in "xye")
     values = np.zeros(len(model.costs) + 1)
     values[start] = values[-1] = 1.0
-    deviation = abs(float(model.rows[start].sum()) - 1.0)
     outcome = solve_from(
         problem,
-        {x: values, y: np.array(deviation), e: np.array(model.excess(start))},
-        objective_target=bound * (1 + gap),
-        time_limit=time_limit,
-        gap=gap,
+        {x: values, y: np.array(abs(model.deviation(start))), e: np.array(model.excess(start))},
+        objective_target=bound * (1 + stop.gap),
+        time_limit=stop.time_limit,
+        gap=stop.gap,
         cancelled=cancelled,
     )
     found = _cheapest(-np.asarray(x.value)[:-1], model.cells, model.order)
@@ -215,23 +230,37 @@ def _cheapest(costs: Vector, cells: Indices, order: Indices) -> Indices:
 def _relaxed_choice(model: _Model) -> tuple[Indices, float]:
     """A choice from the Lagrangian of the density row, and the best bound that its multipliers give."""
     chosen = _cheapest(model.costs, model.cells, model.order)
-    deviation = float(model.rows[chosen].sum()) - 1.0
-    best, bound = chosen, float(model.costs[chosen].sum())
-    if abs(deviation) <= model.tolerance:
-        return best, bound
-    side = np.sign(deviation)
-    edge = 1.0 + side * model.tolerance
+    bound = float(model.costs[chosen].sum())
+    side = np.sign(model.deviation(chosen))
+    if model.excess(chosen) == 0:
+        return chosen, bound
+    outside = inside = chosen
     low, high = 0.0, _EXCESS_PRICE
     for _ in range(_MULTIPLIER_STEPS):
         multiplier = (low + high) / 2
         priced = model.costs + multiplier * side * model.rows
         chosen = _cheapest(priced, model.cells, model.order)
-        bound = max(bound, float(priced[chosen].sum()) - multiplier * side * edge)
-        best = min(best, chosen, key=model.objective)
-        if side * (float(model.rows[chosen].sum()) - edge) > 0:
-            low = multiplier
+        bound = max(bound, float(priced[chosen].sum()) - multiplier * (side + model.tolerance))
+        if side * model.deviation(chosen) > model.tolerance:
+            low, outside = multiplier, chosen
         else:
-            high = multiplier
-        if model.objective(best) <= bound * (1 + 1e-6):
+            high, inside = multiplier, chosen
+        if high - low <= 1e-9 * high:
             break
-    return best, bound
+    return min(_improved(model, outside), _improved(model, inside), key=model.objective), bound
+
+
+def _improved(model: _Model, chosen: Indices) -> Indices:
+    """Change the choice in one cell, the best change each time, while the objective falls."""
+    chosen = chosen.copy()
+    for _ in range(_CHANGES):
+        present = chosen[model.cells]
+        costs = model.costs - model.costs[present]
+        deviations = model.deviation(chosen) + model.rows - model.rows[present]
+        excess = np.maximum(np.abs(deviations) - model.tolerance, 0.0)
+        change = costs + _EXCESS_PRICE * (excess - model.excess(chosen))
+        best = int(np.argmin(change))
+        if change[best] >= -1e-12:
+            break
+        chosen[model.cells[best]] = best
+    return chosen

@@ -12,7 +12,7 @@ from lpcompare.geometry.threads import Progress, map_in_threads
 from lpcompare.lp.cells import blue_noise_centers, sampling_weights, tilt_to_density
 from lpcompare.lp.density import inverse_distance_costs
 from lpcompare.lp.quadrics import Surface, tangent_quadrics
-from lpcompare.lp.uniform import SpreadCertificate, select_one_per_cell
+from lpcompare.lp.uniform import SpreadCertificate, Stop, select_one_per_cell
 from lpcompare.refinement import DensityBand, refine
 from lpcompare.types import Indices, Mask, Points, Vector
 
@@ -49,7 +49,7 @@ def cluster_densities(points: Points, labels: Indices) -> ClusterDensity:
 def spread_points(
     points: Points, surface: Surface, curvature: Vector, density: ClusterDensity, n_keep: int
 ) -> Indices:
-    """One original per blue-noise cell: the one that represents it best. Ascending rows, exactly ``n_keep``."""
+    """One original per blue-noise cell, the one that represents it best: ``n_keep`` ascending rows."""
     weights = tilt_to_density(sampling_weights(surface.areas, curvature), density.costs, density.labels)
     centers = blue_noise_centers(points, weights, n_keep)
     quadrics = tangent_quadrics(points, surface, centers)
@@ -83,8 +83,7 @@ def solve_programmes(
     sites: Indices,
     *,
     tolerance: float,
-    gap: float,
-    time_limit: float,
+    stop: Stop,
     progress: Progress | None = None,
 ) -> tuple[Indices, list[SpreadCertificate]]:
     """One point per cell of ``sites``, chosen by the programme of each cluster, in parallel threads.
@@ -96,8 +95,9 @@ def solve_programmes(
     density : ClusterDensity
     sites : ndarray of int, shape (m,)
         Rows whose nearest originals are the cells; each belongs to the cluster of its site.
-    tolerance, gap, time_limit : float
-        Those of `select_one_per_cell`.
+    tolerance : float
+        Largest Z of eq. 14 that costs nothing, as a share of the cluster's density.
+    stop : Stop
     progress : callable, optional
         Called with (clusters done, clusters).
 
@@ -122,8 +122,7 @@ def solve_programmes(
             cells,
             density.costs[rows],
             tolerance=tolerance,
-            gap=gap,
-            time_limit=time_limit,
+            stop=stop,
             cancelled=cancelled,
         )
         return rows[mask], certificate.in_units(float(density.densities[density.labels[rows[0]]]))

@@ -13,6 +13,7 @@ from lpcompare.lp.clustering import cluster_points
 from lpcompare.lp.curvature import estimate_curvature
 from lpcompare.lp.placement import place_points
 from lpcompare.lp.quadrics import estimate_surface
+from lpcompare.lp.uniform import Stop
 from lpcompare.lp.uniform_reduction import (
     cluster_densities,
     refine_in_density,
@@ -32,7 +33,7 @@ def simplify_uniformly(
     n_neighbors: int = 20,
     n_rounds: int = 12,
     density_tolerance: float = 0.01,
-    gap: float = 1e-3,
+    gap: float = 5e-3,
     time_limit: float = 10.0,
     random_state: int | np.random.Generator | None = 0,
     callback: Callback | None = None,
@@ -83,7 +84,7 @@ def simplify_uniformly(
     n_neighbors = check_integer("n_neighbors", n_neighbors, 1)
     n_rounds = check_integer("n_rounds", n_rounds, 0)
     density_tolerance = check_number("density_tolerance", density_tolerance, 0.0)
-    gap, time_limit = check_number("gap", gap, 0.0), check_number("time_limit", time_limit, 0.0)
+    stop = Stop(check_number("gap", gap, 0.0), check_number("time_limit", time_limit, 0.0))
     cloud, center, scale = normalize(points)
     clock = StageClock(callback)
 
@@ -102,8 +103,7 @@ def simplify_uniformly(
         density,
         indices,
         tolerance=density_tolerance,
-        gap=gap,
-        time_limit=time_limit,
+        stop=stop,
         progress=progress,
     )
     info: dict[str, Any] = {

@@ -1,7 +1,8 @@
 """lp_uniform, each kept point moved to the minimum of its tangent-plane quadric.
 
-Leal, Leal and Sanchez-Torres (2017), section V. The selection of `lp_uniform`; the quadric of a point sums the squared distances to the tangent planes of the
-originals around it and needs no mesh. The row that each point comes from is ``info["source"]``.
+The selection of `lp_uniform` (Leal, Leal and Sanchez-Torres, 2017, section V). The quadric of a point sums
+the squared distances to the tangent planes of the originals around it (Garland and Heckbert, 1997) and needs
+no mesh. ``info["source"]`` has the row of the input that each point comes from.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ def lp_placed(
     n_neighbors: int = 20,
     n_rounds: int = 12,
     density_tolerance: float = 0.01,
-    gap: float = 1e-3,
+    gap: float = 5e-3,
     time_limit: float = 10.0,
 ) -> Simplification:
     """Keep ``target_count`` of the points; the settings are those of `simplify_uniformly`.

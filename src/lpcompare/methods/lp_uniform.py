@@ -1,8 +1,8 @@
 """Boolean programme per cluster that keeps the density and one point per blue-noise cell.
 
-Leal, Leal and Sanchez-Torres (2017), section V. The paper's future work made concrete: cells as many as the budget, smaller where the surface bends, corrected by
-exchanges against eq. 27; in each cluster the programme of eqs. 14-26 chooses one point of every cell so that the
-density is kept and the originals are represented best. From raw points; a subset of the input.
+Leal, Leal and Sanchez-Torres (2017), section V, made concrete: cells as many as the budget, smaller where the
+surface bends, corrected by exchanges against eq. 27; in each cluster the programme of eqs. 14-26 chooses one
+point of every cell so that the density is kept and the originals are represented best.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ def lp_uniform(
     n_neighbors: int = 20,
     n_rounds: int = 12,
     density_tolerance: float = 0.01,
-    gap: float = 1e-3,
+    gap: float = 5e-3,
     time_limit: float = 10.0,
 ) -> Simplification:
     """Keep ``target_count`` of the points; the settings are those of `simplify_uniformly`.

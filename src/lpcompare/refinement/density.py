@@ -23,13 +23,15 @@ class DensityBand:
 
     def __init__(self, labels: Indices, costs: Vector, tolerance: float = 0.01) -> None:
         self._labels, self._costs, self._tolerance = labels, costs, tolerance
-        self._sums = self._counts = np.zeros(0)
+        self._sums: list[float] = []
+        self._counts: list[int] = []
 
     def start(self, kept: Indices) -> None:
         """Count the points ``kept``."""
         n_clusters = int(self._labels.max()) + 1
-        self._counts = np.bincount(self._labels[kept], minlength=n_clusters).astype(float)
-        self._sums = np.bincount(self._labels[kept], self._costs[kept], n_clusters)
+        labels, costs = self._labels[kept], self._costs[kept]
+        self._counts = np.bincount(labels, minlength=n_clusters).tolist()
+        self._sums = np.bincount(labels, weights=costs, minlength=n_clusters).tolist()
 
     def allows(self, point: int, change: int) -> bool:
         """Whether the cluster of ``point`` bears one point more (``change`` = 1) or less (-1)."""
@@ -44,5 +46,5 @@ class DensityBand:
         self._sums[self._labels[point]] += change * self._costs[point]
 
     @staticmethod
-    def _deviation(total: float, count: float) -> float:
+    def _deviation(total: float, count: int) -> float:
         return abs(total / count - 1.0) if count > 0 else 0.0

@@ -1,10 +1,10 @@
 """Exchange of kept points against eq. 27, guarded against holes.
 
-Every original belongs to its nearest kept point. In each round the few per cent of kept points that carry the
-least error are dropped, and as many originals are taken where the error is largest, one in a cell. Neighbours
-are never dropped together; nothing is dropped that would leave an original farther from the reduced cloud than
-the hole limit, and originals that are farther already come first. Few rounds are enough, and few is right:
-further rounds go on to win eq. 27 by losing the surface.
+Every original belongs to its nearest kept point. In each round the few per cent of kept points that carry
+the least error are dropped, and as many originals are taken where the error is largest, one in a cell.
+Neighbours are never dropped together; nothing is dropped that would leave an original farther from the
+reduced cloud than the hole limit, and originals that are farther already come first. Few rounds are enough,
+and few is right: further rounds go on to win eq. 27 by losing the surface.
 """
 
 from __future__ import annotations
@@ -12,7 +12,6 @@ from __future__ import annotations
 import numpy as np
 
 from lpcompare.errors import InputError
-from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.geometry.scale import bounding_box_center, bounding_box_diagonal
 from lpcompare.refinement.density import DensityBand
 from lpcompare.refinement.neighborhoods import Neighborhoods
@@ -29,7 +28,7 @@ def refine(
     *,
     n_rounds: int = 12,
     exchange_share: float = 0.04,
-    hole_limit: float = 2.4,
+    hole_limit: float = 1.75,
     band: DensityBand | None = None,
 ) -> Indices:
     """Exchange points of a subset so that the eq. 27 error falls and no hole opens.
@@ -46,7 +45,7 @@ def refine(
         Share of the kept points that the first round may exchange; the last round exchanges a fifth of it.
     hole_limit : float
         Largest distance of an original to the reduced cloud, as a multiple of the root mean square radius of
-        the cells of the subset. About 1.9 of these are the Hausdorff distance of a Poisson disk sampling.
+        the cells of the subset. 1.05 to 1.3 of these are the Hausdorff distance of a Poisson disk sampling.
     band : DensityBand, optional
         Keeps the density of every cluster (eqs. 24-25).
 
@@ -66,14 +65,15 @@ def refine(
     if len(kept) < 4 or len(kept) == len(points) or diagonal == 0:
         return kept
     state = Neighborhoods((points - bounding_box_center(points)) / diagonal, kept)
-    limit = hole_limit * _cell_radius(state)
-    best, best_rank = kept, _rank(state, limit)
+    limit = hole_limit * _typical_radius(state)
+    best, best_rank = kept, state.rank(limit)
     for n_exchanges in _schedule(len(kept), n_rounds, exchange_share):
-        dropped, added = _choose(points, state, limit, n_exchanges, band)
+        exchange = _Round(state, limit, band)
+        dropped, added = exchange.choose(n_exchanges)
         if not len(added):
             break
         state.exchange(dropped, added)
-        best, best_rank = min((best, best_rank), (state.kept, _rank(state, limit)), key=lambda pair: pair[1])
+        best, best_rank = min((best, best_rank), (state.kept, state.rank(limit)), key=lambda pair: pair[1])
     return best
 
 
@@ -98,85 +98,78 @@ def _schedule(n_kept: int, n_rounds: int, share: float) -> list[int]:
     return np.maximum(shares * n_kept, 1).astype(int).tolist()
 
 
-def _cell_radius(state: Neighborhoods) -> float:
-    """Root mean square distance of the originals to their kept point, every cell counting alike."""
-    owners, squares = state.owners, state.distances[:, 0] ** 2
-    sizes = np.bincount(owners, minlength=len(state.kept))
-    return float(np.sqrt(np.mean(np.bincount(owners, squares, len(state.kept)) / np.maximum(sizes, 1))))
+def _typical_radius(state: Neighborhoods) -> float:
+    """Root mean square radius of the cells that hold more than their kept point."""
+    radii = np.zeros(len(state.kept))
+    np.maximum.at(radii, state.owners, state.distances[:, 0])
+    radii = radii[radii > 0]
+    return float(np.sqrt(np.mean(radii**2))) if len(radii) else 0.0
 
 
-def _rank(state: Neighborhoods, limit: float) -> tuple[int, float]:
-    return int(np.count_nonzero(state.distances[:, 0] > limit)), float(state.errors.mean())
+class _Round:
+    """One round of exchanges: what is dropped, and what is taken instead."""
 
-
-def _choose(
-    points: Points, state: Neighborhoods, limit: float, n_exchanges: int, band: DensityBand | None
-) -> tuple[Indices, Indices]:
-    """The rows to drop and the rows to take, equally many."""
-    owners = state.owners
-    mass = np.bincount(owners, state.errors, len(state.kept))
-    if band:
-        band.start(state.kept)
-    dropped, blocked = _drops(points, state, owners, mass, limit, n_exchanges, band)
-    added = _additions(state, owners, mass, limit, len(dropped), blocked, band)
-    return state.kept[dropped[: len(added)]], np.array(added, dtype=np.intp)
-
-
-def _drops(
-    points: Points,
-    state: Neighborhoods,
-    owners: Indices,
-    mass: Vector,
-    limit: float,
-    n_exchanges: int,
-    band: DensityBand | None,
-) -> tuple[list[int], set[int]]:
-    """Positions of the kept points with the least error that can go, and of these and their neighbours."""
-    reach = np.zeros(len(mass))
-    np.maximum.at(reach, owners, state.distances[:, 1])
-    spare = np.flatnonzero(reach <= limit)
-    order = spare[np.argsort(mass[spare], kind="stable")][: _LOOK_AHEAD * n_exchanges]
-    kept_points = points[state.kept]
-    rings = Neighbors(kept_points).query(kept_points[order], _RING)[1]
-    dropped: list[int] = []
-    blocked: set[int] = set()
-    for position, row, ring in zip(order.tolist(), state.kept[order].tolist(), rings.tolist(), strict=True):
-        if position in blocked or (band and not band.allows(row, -1)):
-            continue
+    def __init__(self, state: Neighborhoods, limit: float, band: DensityBand | None) -> None:
+        self._state, self._limit, self._band = state, limit, band
+        self._owners = state.owners
+        self._mass = np.bincount(self._owners, weights=state.errors, minlength=len(state.kept))
         if band:
-            band.take(row, -1)
-        dropped.append(position)
-        blocked.update(ring)
-        if len(dropped) == n_exchanges:
-            break
-    return dropped, blocked
+            band.start(state.kept)
 
+    def choose(self, n_exchanges: int) -> tuple[Indices, Indices]:
+        """The rows to drop and the rows to take, equally many, at most ``n_exchanges``."""
+        dropped, blocked = self._drops(n_exchanges)
+        added = self._additions(len(dropped), blocked)
+        return self._state.kept[dropped[: len(added)]], np.array(added, dtype=np.intp)
 
-def _additions(
-    state: Neighborhoods,
-    owners: Indices,
-    mass: Vector,
-    limit: float,
-    n_wanted: int,
-    blocked: set[int],
-    band: DensityBand | None,
-) -> list[int]:
-    """Rows to take: holes first, then the worst original of each of the cells that carry the most error."""
-    gaps = state.distances[:, 0]
-    hole = gaps > limit
-    urgency = np.where(hole, state.errors.max() + gaps, state.errors)
-    candidates = np.flatnonzero(gaps > 0)
-    candidates = candidates[np.lexsort((-urgency[candidates], owners[candidates]))]
-    _, first = np.unique(owners[candidates], return_index=True)
-    worst = candidates[first]
-    order = np.lexsort((-mass[owners[worst]], -np.where(hole[worst], gaps[worst], 0.0)))
-    added: list[int] = []
-    for row in worst[order[: _LOOK_AHEAD * max(n_wanted, 1)]].tolist():
-        if len(added) == n_wanted:
-            break
-        if not hole[row] and (int(owners[row]) in blocked or (band and not band.allows(row, 1))):
-            continue
-        if band:
-            band.take(row, 1)
-        added.append(row)
-    return added
+    def _drops(self, n_wanted: int) -> tuple[list[int], set[int]]:
+        """Positions of kept points with little error that can go, and of these and their neighbours."""
+        reach = np.zeros(len(self._mass))
+        np.maximum.at(reach, self._owners, self._state.distances[:, 1])
+        spare = np.flatnonzero(reach <= self._limit)
+        order = spare[np.argsort(self._mass[spare], kind="stable")][: _LOOK_AHEAD * n_wanted]
+        rows, rings = self._state.kept[order].tolist(), self._state.rings(order, _RING).tolist()
+        dropped: list[int] = []
+        blocked: set[int] = set()
+        for position, row, ring in zip(order.tolist(), rows, rings, strict=True):
+            if len(dropped) == n_wanted:
+                break
+            if position in blocked or not self._bears(row, -1):
+                continue
+            dropped.append(position)
+            blocked.update(ring)
+        return dropped, blocked
+
+    def _additions(self, n_wanted: int, blocked: set[int]) -> list[int]:
+        """Rows to take: holes first, then the worst original of each of the cells with the most error."""
+        gaps = self._state.distances[:, 0]
+        hole = gaps > self._limit
+        worst = self._worst_of_each_cell(np.where(hole, self._state.errors.max() + gaps, self._state.errors))
+        order = np.lexsort((-self._mass[self._owners[worst]], -np.where(hole[worst], gaps[worst], 0.0)))
+        added: list[int] = []
+        for row in worst[order[: _LOOK_AHEAD * n_wanted]].tolist():
+            if len(added) == n_wanted:
+                break
+            if hole[row]:
+                self._count(row, 1)
+            elif int(self._owners[row]) in blocked or not self._bears(row, 1):
+                continue
+            added.append(row)
+        return added
+
+    def _worst_of_each_cell(self, urgency: Vector) -> Indices:
+        """The most urgent original of every cell that is not at the place of its kept point."""
+        rows = np.flatnonzero(self._state.distances[:, 0] > 0)
+        rows = rows[np.lexsort((-urgency[rows], self._owners[rows]))]
+        return rows[np.flatnonzero(np.diff(self._owners[rows], prepend=-1))]
+
+    def _bears(self, row: int, change: int) -> bool:
+        """Whether the density bears a point more or less; if so, it is counted."""
+        if self._band and not self._band.allows(row, change):
+            return False
+        self._count(row, change)
+        return True
+
+    def _count(self, row: int, change: int) -> None:
+        if self._band:
+            self._band.take(row, change)

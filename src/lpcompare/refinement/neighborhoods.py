@@ -1,4 +1,4 @@
-"""The nearest kept points of every original and its eq. 27 error, kept up to date while points are exchanged."""
+"""The nearest kept points of every original and its eq. 27 error, up to date while points are exchanged."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ import numpy as np
 
 from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.refinement.planes import mean_plane_distances
-from lpcompare.types import Indices, Points
+from lpcompare.types import Indices, Mask, Points
 
 SIZES = (6, 8, 12)
-"""Neighbourhood sizes of eq. 27 that the error averages over, so that no single one is won at another's cost."""
+"""Neighbourhood sizes of eq. 27 that the error averages over: none is won at the cost of another."""
 
 
 class Neighborhoods:
@@ -35,7 +35,7 @@ class Neighborhoods:
     def __init__(self, points: Points, kept: Indices) -> None:
         n_neighbors = min(max(SIZES), len(kept))
         self._points = points
-        self._sizes = tuple(size for size in SIZES if size < n_neighbors) + (n_neighbors,)
+        self._sizes = (*(size for size in SIZES if size < n_neighbors), n_neighbors)
         self.kept = np.sort(kept)
         self.distances = np.empty((len(points), n_neighbors))
         self.nearest = np.empty((len(points), n_neighbors), dtype=np.intp)
@@ -47,11 +47,20 @@ class Neighborhoods:
         """For each original, the position in ``kept`` of its nearest kept point, shape (n,)."""
         return np.searchsorted(self.kept, self.nearest[:, 0])
 
+    def rings(self, positions: Indices, size: int) -> Indices:
+        """Positions of the kept points nearest to those at ``positions``, each itself among them."""
+        sites = self._points[self.kept]
+        return Neighbors(sites).query(sites[positions], size)[1]
+
+    def rank(self, limit: float) -> tuple[int, float]:
+        """Originals beyond ``limit``, then the mean error: what an exchange makes smaller."""
+        return int(np.count_nonzero(self.distances[:, 0] > limit)), float(self.errors.mean())
+
     def exchange(self, dropped: Indices, added: Indices) -> None:
         """Replace kept points and look up again only the originals whose neighbours change."""
         leaving = np.zeros(len(self._points), dtype=bool)
         leaving[dropped] = True
-        changed = leaving[self.nearest].any(axis=1)
+        changed: Mask = np.any(leaving[self.nearest], axis=1)
         others = np.flatnonzero(~changed)
         arrival = Neighbors(self._points[added]).query(self._points[others], 1)[0][:, 0]
         changed[others[arrival < self.distances[others, -1]]] = True

@@ -1,8 +1,8 @@
 """Eq. 27 distances for several neighbourhood sizes at once.
 
-The planes through the nearest 6, 8 and 12 points share their sums, and the normal of a plane has a closed form
-(the trigonometric solution of the 3 x 3 characteristic cubic; Smith, CACM 4(4), 1961). One pass costs about a
-quarter of three calls of `lpcompare.geometry.planes.plane_distances`, which judges; this one only steers.
+The planes through the nearest 6, 8 and 12 points share their sums, and the normal of a plane has a closed
+form (the trigonometric solution of the 3 x 3 characteristic cubic; Smith, CACM 4(4), 1961). One pass costs
+a fraction of three calls of `lpcompare.geometry.planes.plane_distances`, which judges; this one only steers.
 """
 
 from __future__ import annotations
@@ -80,8 +80,8 @@ def _least_directions(covariance: Array) -> tuple[Array, NDArray[np.bool_]]:
     """Unit eigenvectors (3, q) of the least eigenvalue of symmetric matrices (xx, xy, xz, yy, yz, zz; q)."""
     mean = (covariance[0] + covariance[3] + covariance[5]) / 3
     scale = np.where(mean > 0, mean, 1.0)
-    xx, xy, xz, yy, yz, zz = covariance / scale
-    least = _least_eigenvalue(xx, xy, xz, yy, yz, zz)
+    xx, xy, xz, yy, yz, zz = scaled = covariance / scale
+    least = _least_eigenvalue(scaled)
     xx, yy, zz = xx - least, yy - least, zz - least
     # the rows of the singular matrix span the plane, so that their cross products are its normal
     products = np.stack(
@@ -99,8 +99,9 @@ def _least_directions(covariance: Array) -> tuple[Array, NDArray[np.bool_]]:
     return products[best, :, columns].T / np.where(undecided, 1.0, length), undecided
 
 
-def _least_eigenvalue(xx: Vector, xy: Vector, xz: Vector, yy: Vector, yz: Vector, zz: Vector) -> Vector:
-    """Least eigenvalue of symmetric matrices of trace three (or zero)."""
+def _least_eigenvalue(covariance: Array) -> Vector:
+    """Least eigenvalue of symmetric matrices (xx, xy, xz, yy, yz, zz; q) of trace three (or zero)."""
+    xx, xy, xz, yy, yz, zz = covariance
     mean = (xx + yy + zz) / 3
     a, b, c = xx - mean, yy - mean, zz - mean
     spread = np.sqrt((a * a + b * b + c * c + 2 * (xy * xy + xz * xz + yz * yz)) / 6)

@@ -1,4 +1,4 @@
-"""The numbers behind the page's charts; the page's script draws them with plotly.js, for the choices made there."""
+"""The numbers behind the page's charts; assets/charts.js draws with plotly.js what is chosen there."""
 
 from __future__ import annotations
 
@@ -40,12 +40,14 @@ def collect_charts(cells: Sequence[Cell], known: Mapping[str, Heading], referenc
         "models": distinct(good, "model"),
         "reductions": sorted(distinct(good, "reduction")),
         "cells": [_entry(cell) for cell in good],
-        "fronts": {m: _fronts([c for c in good if c.model == m], known, measures) for m in distinct(good, "model")},
+        "fronts": {
+            m: _fronts([c for c in good if c.model == m], known, measures) for m in distinct(good, "model")
+        },
     }
 
 
 def choose_reference(cells: Sequence[Cell]) -> str:
-    """The baseline of the printed tables where the run holds it, else the fastest of the methods that ended most."""
+    """The baseline of the printed tables where the run holds it, else the fastest that ended most often."""
     if any(cell.ok and cell.method == BASELINE for cell in cells):
         return BASELINE
     good = [cell for cell in cells if cell.ok and RUNTIME in cell.values]

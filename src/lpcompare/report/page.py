@@ -73,7 +73,12 @@ def write_view(cloud: PointCloud, out: Path) -> Path:
     """
     view = one_cloud(cloud)
     title = cloud.name or "point cloud"
-    _write(out, _render("view.html", {"title": title, "views": [view], "scripts": ("theme", "decode", "views", "start")}))
+    _write(
+        out,
+        _render(
+            "view.html", {"title": title, "views": [view], "scripts": ("theme", "decode", "views", "start")}
+        ),
+    )
     return out
 
 
@@ -113,7 +118,12 @@ def _title(cells: Sequence[Cell]) -> str:
 
 def _by_error(cell: Cell) -> tuple[bool, str, float, float]:
     """Models and reductions together, lowest error first, cells without a result last."""
-    return not cell.ok, cell.model, cell.reduction, cell.values[ERROR].median if ERROR in cell.values else math.inf
+    return (
+        not cell.ok,
+        cell.model,
+        cell.reduction,
+        cell.values[ERROR].median if ERROR in cell.values else math.inf,
+    )
 
 
 def _settings(cells: Sequence[Cell]) -> dict[str, list[tuple[str, str, Mapping[str, Any]]]]:
@@ -148,14 +158,14 @@ def _interval(cell: Cell, key: str, heading: Heading) -> str:
 
 def _asset(name: str) -> Markup:
     """One of our own scripts or style sheets, to be put into the page as it is."""
-    return Markup((files("lpcompare.report") / "assets" / name).read_text(encoding="utf-8"))  # noqa: S704
+    return Markup((files("lpcompare.report") / "assets" / name).read_text(encoding="utf-8"))
 
 
 def _plotly() -> Markup:
     """plotly.js, as its Python package ships it."""
     from plotly.offline import get_plotlyjs
 
-    return Markup(get_plotlyjs())  # noqa: S704
+    return Markup(get_plotlyjs())
 
 
 def _write(path: Path, text: str) -> None:

@@ -85,7 +85,7 @@ def agreement(ranking: Ranking, other: Ranking) -> float:
     columns = [[r[method] for method in shared] for r in ranks]
     if any(len(set(column)) == 1 for column in columns):
         return math.nan
-    return float(kendalltau(*columns).statistic)
+    return float(kendalltau(*columns)[0])  # pyright: ignore[reportArgumentType]
 
 
 def reversals(ranking: Ranking, other: Ranking) -> list[tuple[str, str]]:

@@ -11,6 +11,13 @@ _COLORS = (
 )  # fmt: skip
 """Told apart by the colour-blind: eight of Okabe and Ito, the rest of Tol's "muted"; on light and dark."""
 
+CLUSTER_COLORS = (
+    "#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9",
+    "#d55e00", "#f0e442", "#882255", "#44aa99", "#999933",
+)  # fmt: skip
+MARK_COLORS = ("#b5bac1", "#0072b2")
+"""Removed, kept."""
+
 _SYMBOLS = ("circle", "square", "diamond", "triangle-up", "triangle-down", "cross", "x")
 _MARKERS = {"circle": "o", "square": "s", "diamond": "D", "triangle-up": "^", "triangle-down": "v",
             "cross": "P", "x": "X"}  # fmt: skip

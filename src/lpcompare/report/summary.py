@@ -118,7 +118,11 @@ def _points_alone(good: Sequence[Cell]) -> Iterator[str]:
     winners = [ranked[0].method for ranked in alone if ranked]
     if winners:
         best = sorted(set(winners), key=lambda w: -winners.count(w))[0]
-        share = f"in {winners.count(best)} of {len(winners)}" if winners.count(best) < len(winners) else "everywhere"
+        share = (
+            f"in {winners.count(best)} of {len(winners)}"
+            if winners.count(best) < len(winners)
+            else "everywhere"
+        )
         yield f"Of the methods that were given points and no mesh, {best} has the lowest error {share}."
 
 
@@ -174,7 +178,9 @@ def _other_metrics(good: Sequence[Cell]) -> Iterator[str]:
         ranking = rank_over_cells(good, known[key])
         if known[key].better and ranking.methods and ranking.methods[0] != first.methods[0]:
             dissent.setdefault(ranking.methods[0], []).append(_short_title(known[key].title))
-    told = [f"{m} is best by {_titles(titles)}" for m, titles in sorted(dissent.items(), key=lambda d: -len(d[1]))]
+    told = [
+        f"{m} is best by {_titles(titles)}" for m, titles in sorted(dissent.items(), key=lambda d: -len(d[1]))
+    ]
     if told:
         yield f"Not every measure agrees: {'; '.join(told)}."
 
@@ -200,8 +206,11 @@ def _ranks(good: Sequence[Cell]) -> Iterator[str]:
         return
     limit = ranking.mean_ranks[0] + ranking.critical_difference
     worse = [m for m, r in zip(ranking.methods, ranking.mean_ranks, strict=True) if r > limit]
-    beats = f"significantly better than {listing(worse)}" if worse else "not significantly better than any other"
-    yield f"Over {count(len(ranking.blocks), 'model')}, {ranking.methods[0]} has the best mean rank and is {beats} (5 %)."
+    beats = (
+        f"significantly better than {listing(worse)}" if worse else "not significantly better than any other"
+    )
+    where = f"Over {count(len(ranking.blocks), 'model')}"
+    yield f"{where}, {ranking.methods[0]} has the best mean rank and is {beats} (5 %)."
 
 
 def _misses(good: Sequence[Cell]) -> Iterator[str]:
@@ -213,7 +222,7 @@ def _misses(good: Sequence[Cell]) -> Iterator[str]:
             off[cell.method] = share
     if off:
         told = [f"{m} (up to {100 * abs(s):.3g} % {'more' if s > 0 else 'fewer'})" for m, s in off.items()]
-        yield f"Another count than the one asked for was returned by {listing(told)}; their errors are not at equal counts."
+        yield f"Another count than the one asked for was returned by {listing(told)}: not at equal counts."
 
 
 def _troubles(cells: Sequence[Cell]) -> Iterator[str]:

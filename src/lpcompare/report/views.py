@@ -1,13 +1,10 @@
-"""The data of the 3D views: clouds, errors and marks of every result, small enough to sit in the page.
-
-Coordinates and errors are stored as 16-bit steps of their range, which is below what a screen can show; a
-subset of the input is one bit per point. The page's script turns them back into numbers.
-"""
+"""The data of the 3D views: clouds, errors and marks of every result, small enough to sit in the page."""
 
 from __future__ import annotations
 
-import base64
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -16,12 +13,14 @@ from numpy.typing import NDArray
 
 from lpcompare.errors import InputError
 from lpcompare.geometry.neighbors import Neighbors
-from lpcompare.geometry.planes import fit_planes
-from lpcompare.geometry.scale import bounding_box_center, bounding_box_diagonal
+from lpcompare.geometry.scale import bounding_box_diagonal
 from lpcompare.harness.clouds import load_arrays
 from lpcompare.harness.record import Run
 from lpcompare.report.cells import Cell, distinct
-from lpcompare.types import PointCloud, Points, Vector
+from lpcompare.report.columns import ERROR
+from lpcompare.report.packing import pack, pack_mask, pack_points, pack_values
+from lpcompare.report.shading import brightness, local_normals, up_axis
+from lpcompare.types import Mask, PointCloud, Points, Vector
 
 MOST_POINTS = 200_000
 """Points of one view; a larger cloud is thinned for display."""
@@ -30,7 +29,6 @@ MOST_VALUES = 6_000_000
 """Errors of one page, over all results; beyond it the clouds are thinned further, to keep the page small."""
 
 _FEWEST_POINTS = 5_000
-_STEPS = 65535
 _LIGHT = np.array([0.35, 0.55, 0.75]) / np.linalg.norm([0.35, 0.55, 0.75])
 
 
@@ -83,15 +81,15 @@ def has_cloud(run: Run, cell: Cell) -> bool:
 
 def one_cloud(cloud: PointCloud) -> dict[str, Any]:
     """The view of a single cloud, with its own colours and its scalar attributes."""
-    shown = _thin(len(cloud), MOST_POINTS)
-    entry = _original(cloud.points, cloud.name, shown)
+    rows = _thin(len(cloud), MOST_POINTS)
+    entry = _original(_Display(cloud.points, rows), cloud.name or "cloud")
     entry["attributes"] = {
-        name: _scalar(np.asarray(values, dtype=float)[shown])
-        for name, values in cloud.attributes.items()
-        if np.ndim(values) == 1 and np.asarray(values).dtype.kind in "biuf" and np.isfinite(values).all()
+        name: pack_values(values[rows].astype(float))
+        for name, values in ((k, np.asarray(v)) for k, v in cloud.attributes.items())
+        if values.ndim == 1 and values.dtype.kind in "biuf" and np.isfinite(values).all()
     }
     if cloud.colors is not None:
-        entry["colors"] = _text((255 * np.clip(cloud.colors[shown, :3], 0, 1)).round().astype(np.uint8))
+        entry["colors"] = pack((255 * np.clip(cloud.colors[rows, :3], 0, 1)).round().astype(np.uint8))
     return entry
 
 
@@ -102,80 +100,96 @@ def _thin(n_points: int, most: int) -> NDArray[np.intp]:
     return np.sort(np.random.default_rng(0).choice(n_points, most, replace=False))
 
 
+@dataclass(frozen=True, eq=False)
+class _Display:
+    """A cloud (n, 3), and the rows of it that are shown."""
+
+    points: Points
+    rows: NDArray[np.intp]
+
+    @cached_property
+    def low(self) -> Vector:
+        return self.points.min(axis=0)
+
+    @cached_property
+    def span(self) -> Vector:
+        return np.ptp(self.points, axis=0)
+
+    @cached_property
+    def tree(self) -> Neighbors:
+        return Neighbors(self.points[self.rows])
+
+    @property
+    def whole(self) -> bool:
+        return len(self.rows) == len(self.points)
+
+
 def _model(folder: Path, points: Points, group: Sequence[Cell], room: float) -> dict[str, Any]:
     """One model and its results; ``room`` is the share of the points that the page can hold."""
     most = min(MOST_POINTS, max(_FEWEST_POINTS, int(room * len(points))))
-    shown = _thin(len(points), most)
-    entry = _original(points, group[0].model, shown)
-    tree = Neighbors(points[shown])
-    results = [_result(folder, cell, points, shown, tree, entry) for cell in group]
-    return entry | {"results": results, "scales": _common_scales(results)}
+    display = _Display(points, _thin(len(points), most))
+    results = [_result(folder, cell, display) for cell in group]
+    return _original(display, group[0].model) | {"results": results, "scales": _common_scales(results)}
 
 
-def _original(points: Points, name: str, shown: NDArray[np.intp]) -> dict[str, Any]:
-    low, span = points.min(axis=0), np.ptp(points, axis=0)
+def _original(display: _Display, name: str) -> dict[str, Any]:
+    shown = display.points[display.rows]
     return {
         "name": name,
-        "total": len(points),
+        "total": len(display.points),
         "shown": len(shown),
-        "low": low.tolist(),
-        "span": span.tolist(),
-        "up": up_axis(points),
-        "points": _text(_steps(points[shown] - low, span)),
-        "shade": _text((255 * shade(points[shown])).round().astype(np.uint8)),
+        "low": display.low.tolist(),
+        "span": display.span.tolist(),
+        "up": up_axis(display.points),
+        "points": pack_points(shown, display.low, display.span),
+        "shade": pack((255 * brightness(local_normals(shown), _LIGHT)).round().astype(np.uint8)),
     }
 
 
-def _result(
-    folder: Path, cell: Cell, points: Points, shown: NDArray[np.intp], tree: Neighbors, entry: Mapping[str, Any]
-) -> dict[str, Any]:
+def _result(folder: Path, cell: Cell, display: _Display) -> dict[str, Any]:
     """One result, as the page's script reads it."""
     arrays = load_arrays(folder / cell.cloud)
-    errors = _errors(folder, cell, arrays, points)[shown]
+    errors = _errors(folder / cell.cloud, arrays, display.points)[display.rows]
     found: dict[str, Any] = {
         "method": cell.method,
         "reduction": cell.reduction,
         "count": len(arrays["points"]),
-        "errors": _scalar(errors),
+        "errors": pack_values(errors),
         "high": float(np.percentile(errors, 99)),
-        "mean": cell.value("plane_error_pct"),
+        "mean": cell.values[ERROR].median if ERROR in cell.values else None,
     }
-    if "indices" in arrays and arrays["indices"].size and len(shown) == len(points):
-        found["kept"] = _bits(_mask(arrays["indices"], len(points)))
+    if "indices" in arrays and display.whole:
+        found["kept"] = pack_mask(_mask(arrays["indices"], len(display.points)))
     else:
-        found |= _own_points(arrays, tree, entry)
-    return found | _marks(arrays, shown)
+        found |= _own_points(arrays["points"].astype(float), display)
+    return found | _marks(arrays, display.rows)
 
 
-def _errors(folder: Path, cell: Cell, arrays: Mapping[str, NDArray[Any]], points: Points) -> Vector:
+def _errors(path: Path, arrays: Mapping[str, NDArray[Any]], points: Points) -> Vector:
     """Eq. 27's distance of each original, in % of the diagonal of the bounding box."""
     errors = arrays.get("plane_errors")
     if errors is None or errors.shape != (len(points),):
-        raise InputError(f"{folder / cell.cloud} has no error for each of the {len(points)} originals; run again.")
+        raise InputError(f"{path} has no error for each of the {len(points)} originals; run again.")
     diagonal = bounding_box_diagonal(points)
     return errors.astype(float) * (100 / diagonal if diagonal > 0 else 1.0)
 
 
-def _own_points(arrays: Mapping[str, NDArray[Any]], tree: Neighbors, entry: Mapping[str, Any]) -> dict[str, Any]:
+def _own_points(own: Points, display: _Display) -> dict[str, Any]:
     """Points that are not rows of what is shown: their places, and the shown original nearest to each."""
-    own = arrays["points"].astype(float)
     own = own[_thin(len(own), MOST_POINTS)]
-    return {
-        "points": _text(_steps(own - entry["low"], np.array(entry["span"]))),
-        "nearest": _text(tree.query(own, 1)[1][:, 0].astype("<u4")),
-        "moved": not arrays.get("indices", np.empty(0)).size,
-    }
+    nearest = display.tree.query(own, 1)[1][:, 0]
+    return {"points": pack_points(own, display.low, display.span), "nearest": pack(nearest.astype("<u4"))}
 
 
 def _marks(arrays: Mapping[str, NDArray[Any]], shown: NDArray[np.intp]) -> dict[str, Any]:
     """Cluster, curvature and feature points, where the method said them for each original."""
     found: dict[str, Any] = {}
     if "labels" in arrays:
-        found["labels"] = _text(arrays["labels"][shown].astype("<u2"))
+        found["labels"] = pack(arrays["labels"][shown].astype("<u2"))
     if "curvature" in arrays:
-        found["curvature"] = _scalar(np.nan_to_num(arrays["curvature"][shown].astype(float)))
+        found["curvature"] = pack_values(np.nan_to_num(arrays["curvature"][shown].astype(float)))
     if "feature_mask" in arrays:
-        found["features"] = _bits(arrays["feature_mask"][shown].astype(bool))
+        found["features"] = pack_mask(arrays["feature_mask"][shown].astype(bool))
     return found
 
 
@@ -190,48 +204,7 @@ def _common_scales(results: Sequence[Mapping[str, Any]]) -> dict[str, float]:
     return {reduction: float(np.median(found)) for reduction, found in highs.items()}
 
 
-def up_axis(points: Points) -> str:
-    """"z" for a cloud that lies flat in x and y, as scanned ground does; "y", as scanned objects do, else."""
-    x, y, z = np.ptp(points, axis=0)
-    return "z" if z < 0.5 * min(x, y) else "y"
-
-
-def shade(points: Points) -> Vector:
-    """Brightness (n,) from 0 to 1 of each point under a light from the front, by its local plane (n, 3)."""
-    if len(points) < 3:
-        return np.ones(len(points))
-    centred = points - bounding_box_center(points)
-    brightness = np.empty(len(points))
-    tree = Neighbors(centred)
-    for rows in np.array_split(np.arange(len(points)), len(points) // 65536 + 1):
-        indices = tree.query(centred[rows], 12)[1]
-        brightness[rows] = np.abs(fit_planes(centred[indices])[1] @ _LIGHT)
-    return brightness
-
-
-def _scalar(values: Vector) -> dict[str, Any]:
-    """Values as 16-bit steps between their smallest and largest."""
-    low = float(values.min())
-    span = float(np.ptp(values))
-    return {"low": low, "span": span, "steps": _text(_steps(values - low, np.array(span)))}
-
-
-def _steps(offsets: NDArray[np.float64], span: NDArray[np.float64]) -> NDArray[np.uint16]:
-    """Offsets from the low end, as steps of the span; what lies outside it is moved to its end."""
-    share = np.divide(offsets, span, out=np.zeros_like(offsets), where=span > 0)
-    return (np.clip(share, 0, 1) * _STEPS).round().astype("<u2")
-
-
-def _mask(indices: NDArray[np.integer], n: int) -> NDArray[np.bool_]:
+def _mask(indices: NDArray[np.integer], n: int) -> Mask:
     mask = np.zeros(n, dtype=bool)
     mask[indices] = True
     return mask
-
-
-def _bits(mask: NDArray[np.bool_]) -> str:
-    return _text(np.packbits(mask, bitorder="little"))
-
-
-def _text(array: NDArray[Any]) -> str:
-    """An array's bytes in base64."""
-    return base64.b64encode(np.ascontiguousarray(array).tobytes()).decode("ascii")

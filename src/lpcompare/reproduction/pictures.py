@@ -17,12 +17,13 @@ from lpcompare.reproduction.experiments import COMPARED, PICTURED_CLUSTERS, REDU
 from lpcompare.reproduction.lab import Lab
 
 _HIGHEST_SHOWN = 98.0
+_POINT_SIZE = 7.0
 
 
 def draw_clusters(lab: Lab, name: str, path: Path) -> None:
     """Fig. 4: the cloud coloured by cluster."""
     figure = Figure(figsize=(5, 5), layout="constrained")
-    draw_cloud(figure.subplots(), lab.points(name), labels=_fit(lab, name).labels_)
+    draw_cloud(figure.subplots(), lab.points(name), labels=_fit(lab, name).labels_, size=_POINT_SIZE)
     save(figure, path)
 
 
@@ -31,11 +32,12 @@ def draw_curvature(lab: Lab, name: str, path: Path) -> None:
     figure = Figure(figsize=(9, 4.5), layout="constrained")
     left, right = figure.subplots(1, 2)
     curvature = _fit(lab, name).curvature_.absolute
+    highest = float(np.percentile(curvature, _HIGHEST_SHOWN))
     points = lab.points(name)
-    draw_cloud(left, points, values=np.minimum(curvature, np.percentile(curvature, _HIGHEST_SHOWN)))
+    draw_cloud(left, points, values=curvature, limits=(0, highest), size=_POINT_SIZE)
     left.set_title("absolute curvature A = |k1| + |k2|", fontsize=10)
     features = _fit(lab, name).feature_mask_
-    draw_cloud(right, points, labels=features.astype(np.intp))
+    draw_cloud(right, points, labels=features.astype(np.intp), size=_POINT_SIZE)
     right.set_title(f"feature points: {features.mean():.0%} of the cloud", fontsize=10)
     save(figure, path)
 
@@ -68,7 +70,7 @@ def draw_holes(lab: Lab, name: str, path: Path) -> None:
     highest = float(np.percentile(np.concatenate(list(gaps.values())), _HIGHEST_SHOWN))
     figure = Figure(figsize=(13, 4.6), layout="constrained")
     for axes, (method, gap) in zip(figure.subplots(1, len(gaps)), gaps.items(), strict=True):
-        draw_cloud(axes, points, values=np.minimum(gap, highest))
+        draw_cloud(axes, points, values=gap, limits=(0, highest), size=_POINT_SIZE)
         axes.set_title(f"{method}: farthest {gap.max():.2f} % of the diagonal", fontsize=10)
     save(figure, path)
 

@@ -272,7 +272,8 @@ function drawLegend() {
   legend.replaceChildren();
   if (view.colour === "errors" && cmax) {
     const bar = Object.assign(document.createElement("span"), { className: "bar" });
-    legend.append("0", bar, `${+cmax.toPrecision(2)} % of the diagonal and above: distance of each original point to the plane through its nearest kept points, one scale for all views`);
+    const where = view.keptOnly ? " Only the points kept are shown: what was lost lies between them." : "";
+    legend.append("0", bar, `${+cmax.toPrecision(2)} % of the diagonal and above: distance of each original point to the plane through its nearest kept points, one scale for all views.${where}`);
   } else if (view.colour === "marks") {
     for (const [name, colour] of Object.entries(MARK_COLOURS)) if (name !== "feature" || has("features")) legend.append(legendKey(name, colour));
   } else if (view.colour === "curvature") legend.append("Absolute curvature: dark is flat, bright is curved; the scale ends at the 95th percentile");
@@ -288,8 +289,11 @@ function legendKey(name, colour) {
 }
 
 // Draw what is chosen; panels that are still wanted stay, so that their WebGL context is used again.
+// A newer choice ends an older drawing.
+let turn = 0;
 async function drawViews() {
   if (!view.model) return;
+  const mine = ++turn;
   drawChips();
   drawLegend();
   const wanted = [null, ...view.methods.map((method) => results().find((result) => result.method === method)).filter(Boolean)];
@@ -303,6 +307,7 @@ async function drawViews() {
     const scene = scenes().find((other) => other.result === result) ?? makePanel(result);
     await drawScene(scene);
     await new Promise(requestAnimationFrame);
+    if (mine !== turn) return;
   }
   document.getElementById("view-grid").dataset.drawn = wanted.length;
 }

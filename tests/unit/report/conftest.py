@@ -1,0 +1,8 @@
+"""The made runs of tests/plugins/made_runs.py."""
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "plugins"))
+
+from made_runs import new_run, plain_run  # noqa: E402, F401

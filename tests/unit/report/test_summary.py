@@ -1,0 +1,76 @@
+"""The sentences follow the numbers."""
+
+from lpcompare.report.cells import Cell, Interval
+from lpcompare.report.summary import summarize
+
+
+def cell(method, error, runtime=1.0, reduction=0.9, model="bunny", spread=0.0, **known):
+    values = {
+        "plane_error_pct": Interval(error, error - spread, error + spread, 2),
+        "runtime_s": Interval.of([runtime]),
+        "n_output": Interval.of([known.pop("n_output", 10)]),
+        **known.pop("extra", {}),
+    }
+    return Cell(model, method, reduction, 100, 10, {"ok": 1}, values=values, **known)
+
+
+def told(cells):
+    return " ".join(summarize(cells))
+
+
+def test_one_winner_everywhere_with_its_lead():
+    text = told([cell("a", 1, reduction=r) for r in (0.7, 0.8, 0.9)] + [cell("b", 2, reduction=r) for r in (0.7, 0.8, 0.9)])
+    assert "a has the lowest error (eq. 27) at all three reductions; b has 2.00 times as much." in text
+
+
+def test_winners_that_change_are_named_with_their_reductions():
+    text = told([cell("a", 1, reduction=0.7), cell("b", 2, reduction=0.7), cell("a", 3), cell("b", 2)])
+    assert "a has the lowest error (eq. 27) at 70 %" in text
+    assert "b has the lowest error (eq. 27) at 90 %" in text
+
+
+def test_overlapping_repeats_are_not_called_a_difference():
+    assert "not told apart" in told([cell("a", 1.0, spread=0.2), cell("b", 1.1, spread=0.2)])
+    assert "not told apart" not in told([cell("a", 1.0), cell("b", 1.1)])
+
+
+def test_the_fastest_and_what_the_best_takes():
+    assert "b is the fastest (2.00 ms); a takes 5.00 s." in told([cell("a", 1, 5.0), cell("b", 2, 0.002)])
+
+
+def test_a_winner_that_was_given_the_mesh_is_not_the_only_one_named():
+    text = told([cell("qem", 1, needs_mesh=True), cell("a", 2), cell("b", 3)])
+    assert "Of the methods that were given points and no mesh, a has the lowest error everywhere." in text
+
+
+def test_another_measure_with_another_winner_is_named():
+    other = "hausdorff_pct"
+    text = told([
+        cell("a", 1, extra={other: Interval.of([9.0])}),
+        cell("b", 2, extra={other: Interval.of([3.0])}),
+    ])  # fmt: skip
+    assert "Not every measure agrees: b is best by hausdorff distance." in text
+
+
+def test_counts_that_were_missed_are_named():
+    assert "b (up to 20 % more)" in told([cell("a", 1), cell("b", 2, n_output=12)])
+
+
+def test_troubles_are_counted_by_kind():
+    bad = [Cell("m", s, 0.9, 9, 1, {s: 2}, message="x") for s in ("failed", "timeout", "skipped")]
+    text = told([cell("a", 1), *bad])
+    assert "Two cases failed: failed." in text
+    assert "Two cases ran out of time: timeout." in text
+    assert "Two cases did not apply or could not run: skipped." in text
+
+
+def test_nothing_and_nothing_but_failures():
+    assert summarize([]) == ["The run holds no case: nothing was compared."]
+    assert "No case ended with a result." in summarize([Cell("m", "a", 0.9, 9, 1, {"failed": 1})])
+
+
+def test_ten_models_with_one_constant_winner_are_significant():
+    cells = [cell(m, e, model=f"m{i}") for i in range(10) for m, e in (("a", 1 + i), ("b", 2 + i), ("c", 3 + i))]
+    text = told(cells)
+    assert "a has the lowest error (eq. 27) in all ten pairs of model and reduction" in text
+    assert "Over ten models, a has the best mean rank and is significantly better than c (5 %)." in text
