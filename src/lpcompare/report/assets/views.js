@@ -225,12 +225,20 @@ function defaultMethods() {
   return [...new Set([ordered[0], ordered.at(-1)].filter(Boolean).map((result) => result.method))];
 }
 
+// Large enough that neighbouring points touch on a surface that fills the view.
+function pointSize() {
+  const size = 2 * Math.sqrt(30000 / view.model.shown);
+  return Math.min(8, Math.max(1, Math.round(2 * size) / 2));
+}
+
 function chooseModel(index) {
   view.model = models[index];
   view.camera = null;
   const reductions = [...new Set((view.model.results ?? []).map((result) => result.reduction))].sort();
   if (!reductions.includes(view.reduction)) view.reduction = reductions.at(-1) ?? null;
   fillSelect("view-reduction", reductions.map((r) => [String(r), `${+(100 * r).toPrecision(6)} %`]), String(view.reduction));
+  view.size = pointSize();
+  document.getElementById("view-size").value = view.size;
   const options = colourOptions();
   if (!options.some(([key]) => key === view.colour)) view.colour = options[0][0];
   fillSelect("view-colour", options, view.colour);
@@ -330,8 +338,6 @@ function startViews() {
   if (!models.length) return;
   fillSelect("view-model", models.map((model, i) => [String(i), model.name]), "0");
   chooseModel(0);
-  view.size = view.model.shown > 60000 ? 1.5 : 2;
-  document.getElementById("view-size").value = view.size;
   for (const item of document.querySelectorAll(".of-results")) item.hidden = !view.model.results;
   onChoice("view-model", (value) => {
     for (const scene of scenes()) { Plotly.purge(scene); scene.parentNode.remove(); }
