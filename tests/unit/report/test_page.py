@@ -10,6 +10,8 @@ import pytest
 from made_runs import METHODS, dented_sphere
 
 from lpcompare.errors import InputError, UnknownName
+from lpcompare.harness.plan import Plan, Variant
+from lpcompare.harness.runner import run_plan
 from lpcompare.report.page import write_page, write_view
 from lpcompare.types import PointCloud
 
@@ -91,6 +93,13 @@ def test_marks_of_a_method_are_offered_where_it_said_them(new_run, tmp_path):
     with_marks, without = data_of(write_page(new_run.write(), tmp_path / "p.html"), "view-data")[0]["results"]
     assert {"labels", "curvature", "features"} <= with_marks.keys()
     assert not {"labels", "curvature", "features"} & without.keys()
+
+
+def test_a_real_run_of_our_method_offers_its_clusters_curvature_and_features(tmp_path):
+    plan = Plan(models=("m",), variants=(Variant("lp_density"),), reductions=(0.8,), threads=1)
+    run_plan(plan, {"m": PointCloud(dented_sphere(300), name="m")}, tmp_path / "run")
+    (result,) = data_of(write_page(tmp_path / "run"), "view-data")[0]["results"]
+    assert {"labels", "curvature", "features", "kept"} <= result.keys()
 
 
 def test_a_large_cloud_is_thinned_for_display_and_its_numbers_are_not(new_run, tmp_path, monkeypatch):
