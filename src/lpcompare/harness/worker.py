@@ -28,6 +28,8 @@ from lpcompare.registry import METHODS, METRICS
 from lpcompare.types import Indices, PointCloud, Simplification
 
 _SCALARS = (bool, int, float, str)
+_MARKS = ("labels", "curvature", "feature_mask")
+"""What a method may say of each original point; kept beside the result, for the report."""
 
 
 class Case:
@@ -202,6 +204,7 @@ def _judge(request: dict[str, Any], result: Simplification, reply: Reply) -> Non
         arrays = {"points": result.points, "plane_errors": comparison.plane_errors(8).astype(np.float32)}
         if result.indices is not None:
             arrays["indices"] = result.indices
+        arrays |= {name: result.info[name] for name in _MARKS if name in result.info}
         save_arrays(Path(request["output"]), arrays)
 
 
