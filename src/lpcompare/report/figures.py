@@ -67,8 +67,8 @@ def draw_curves(axes: Axes, cells: Sequence[Cell], x_key: str, *, front: bool = 
         group = sorted((c for c in judged if c.method == method), key=lambda c: c.reduction)
         x, y = (np.array([c.value(key) for c in group]) for key in (x_key, ERROR))
         axes.errorbar(
-            x, y, xerr=_bars(group, x_key), yerr=_bars(group, ERROR), label=plain_text(method), lw=0.8, ls=":",
-            elinewidth=0.8, ms=5, color=styles[method].color, marker=styles[method].marker,
+            x, y, xerr=_bars(group, x_key), yerr=_bars(group, ERROR), label=plain_text(method), lw=0.8,
+            ls=":", elinewidth=0.8, ms=5, color=styles[method].color, marker=styles[method].marker,
         )  # fmt: skip
     for axis, key in (("x", x_key), ("y", ERROR)):
         if judged and all(c.values[key].low > 0 for c in judged):

@@ -23,6 +23,9 @@ if TYPE_CHECKING:
     from matplotlib.cm import ScalarMappable
     from matplotlib.figure import Figure
 
+_AREA = 60_000
+"""Points of unit area that cover a cloud in a picture."""
+
 
 def draw_pictures(run: Run, cells: Sequence[Cell]) -> Iterator[tuple[str, Figure]]:
     """The clouds of one model and reduction, drawn in every way that they allow."""
@@ -37,12 +40,13 @@ def draw_pictures(run: Run, cells: Sequence[Cell]) -> Iterator[tuple[str, Figure
         ("curvature", with_curvature[:1]),
     ):
         if group:
-            figure = Figure(figsize=(10, 2.8 * -(-(len(group) + 1) // 4)), layout="constrained")
+            n_rows, n_columns = grid_shape(len(group) + 1)
+            figure = Figure(figsize=(2.3 * n_columns + 1, 2.7 * n_rows), layout="constrained")
             draw_results(figure, run, group, what)
             yield what, figure
 
 
-def draw_results(figure: Figure, run: Run, cells: Sequence[Cell], what: str, *, size: float = 1.2) -> None:
+def draw_results(figure: Figure, run: Run, cells: Sequence[Cell], what: str) -> None:
     """The original and each result of one model and reduction.
 
     Parameters
@@ -55,13 +59,11 @@ def draw_results(figure: Figure, run: Run, cells: Sequence[Cell], what: str, *, 
         "kept": the points kept; "errors": every original, coloured by its eq. 27 error on one scale;
         "surfaces": triangles through the points kept, shaded; "curvature": every original, coloured by the
         absolute curvature that the method found.
-    size : float
-        Area of a point, in square typographic points.
     """
     points = load_arrays(input_files(run)[cells[0].model])["points"].astype(float)
     results = [(cell, load_arrays(run.folder / cell.cloud)) for cell in cells]
-    n_columns = min(4, len(cells) + 1)
-    grid = figure.subplots(-(-(len(cells) + 1) // n_columns), n_columns, squeeze=False).ravel()
+    grid = figure.subplots(*grid_shape(len(cells) + 1), squeeze=False).ravel()
+    size = float(np.clip(_AREA / len(points), 0.3, 12))
     for axes in grid:
         axes.set_axis_off()
     draw = _painter(what, points, [arrays for _, arrays in results], size)
@@ -76,9 +78,15 @@ def draw_results(figure: Figure, run: Run, cells: Sequence[Cell], what: str, *, 
         )
         axes.set_xlim(grid[0].get_xlim())
         axes.set_ylim(grid[0].get_ylim())
-    labels = {"errors": "Eq. 27 error [% of diagonal]", "curvature": "Absolute curvature [1 / model unit]"}
+    labels = {"errors": "Eq. 27 error [% of diagonal]", "curvature": "Curvature [1 / unit]"}
     if shown is not None and what in labels:
-        figure.colorbar(shown, ax=list(grid), shrink=0.6, label=labels[what], extend="max")
+        figure.colorbar(shown, ax=list(grid), shrink=0.9, label=labels[what], extend="max")
+
+
+def grid_shape(n_panels: int) -> tuple[int, int]:
+    """Rows and columns of a grid at most five wide, as full as can be."""
+    n_rows = -(-n_panels // 5)
+    return n_rows, -(-n_panels // n_rows)
 
 
 Painter = Callable[["Axes", Mapping[str, np.ndarray]], "ScalarMappable | None"]
@@ -89,7 +97,7 @@ def _painter(what: str, points: Points, results: Sequence[Mapping[str, np.ndarra
     up = up_axis(points)
     if what == "kept":
         return lambda axes, r: draw_cloud(
-            axes, r["points"].astype(float), size=2.5 * size, up=up, plain="#1f4e79"
+            axes, r["points"].astype(float), size=min(1.6 * size, 6), up=up, plain="#1f4e79"
         )
     if what == "surfaces":
         return lambda axes, r: draw_mesh(axes, r["points"].astype(float), triangulate(r["points"]), up=up)
