@@ -9,10 +9,10 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "plugins"))
 
-from made_runs import MadeRun, dented_sphere, plain_run  # noqa: E402, F401
+from made_runs import MadeRun, dented_sphere, plain_run  # noqa: F401
 
-from lpcompare.report.page import write_page, write_view  # noqa: E402
-from lpcompare.types import PointCloud  # noqa: E402
+from lpcompare.report.page import write_page, write_view
+from lpcompare.types import PointCloud
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 FLAGS = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"]
@@ -69,7 +69,8 @@ RESET = """async () => {
   filterTable(document.getElementById("table"));
   hiddenMethods.clear();
   document.getElementById("view-points").value = "all";
-  Object.assign(view, { colour: "errors", keptOnly: false, reduction: 0.9, methods: ["random_sample", "first_rows"] });
+  Object.assign(view, { colour: "errors", keptOnly: false, reduction: 0.9 });
+  view.methods = ["random_sample", "first_rows"];
   chooseModel(0);
   await drawViews();
 }"""
@@ -84,7 +85,8 @@ def visit(opened):
 
 def column(page, number):
     return page.eval_on_selector_all(
-        f"#table tbody tr:not([hidden]) td:nth-child({number})", "cells => cells.map(c => c.dataset.value ?? c.innerText)"
+        f"#table tbody tr:not([hidden]) td:nth-child({number})",
+        "cells => cells.map(c => c.dataset.value ?? c.innerText)",
     )
 
 
@@ -96,7 +98,9 @@ def test_page_opens_without_a_complaint_or_a_request(visit, path):
 
 def test_a_click_on_a_heading_sorts_and_a_second_one_turns_the_order(visit):
     heading = visit.page.locator("#table th[title=runtime_s] button")
-    number = visit.page.evaluate("[...document.querySelectorAll('#table th')].findIndex(h => h.title === 'runtime_s') + 1")
+    number = visit.page.evaluate(
+        "[...document.querySelectorAll('#table th')].findIndex(h => h.title === 'runtime_s') + 1"
+    )
     heading.click()
     up = column(visit.page, number)
     values = [float(v) for v in up if v != "–"]
@@ -125,7 +129,9 @@ def test_every_measure_is_one_click_away(visit):
 
 
 def cameras(page):
-    return page.evaluate("scenes().map(s => Object.values(s._fullLayout.scene._scene.getCamera().eye).map(v => +v.toFixed(4)))")
+    return page.evaluate(
+        "scenes().map(s => Object.values(s._fullLayout.scene._scene.getCamera().eye).map(v => +v.toFixed(4)))"
+    )
 
 
 def test_turning_one_view_turns_the_others(visit):
@@ -169,7 +175,9 @@ def test_error_colours_share_one_scale(visit):
 
 def test_the_kept_points_are_as_many_as_the_result_has(visit):
     visit.page.select_option("#view-points", "kept")
-    visit.page.wait_for_function("scenes()[1].data[0].x.length === 150 && scenes()[2].data[0].x.length === 150")
+    visit.page.wait_for_function(
+        "scenes()[1].data[0].x.length === 150 && scenes()[2].data[0].x.length === 150"
+    )
     assert len(set(map(len, visit.page.evaluate("scenes().map(s => Array.from(s.data[0].x))")))) == 2
 
 
@@ -177,7 +185,10 @@ def test_methods_and_reductions_can_be_chosen(visit):
     visit.page.locator("#view-methods button", has_text="moved_points").click()
     visit.drawn(4)
     visit.page.select_option("#view-reduction", "0.8")
-    visit.page.wait_for_function("[...document.querySelectorAll('.view figcaption span')].slice(1).every(s => s.textContent.startsWith('300 '))")
+    visit.page.wait_for_function(
+        "[...document.querySelectorAll('.view figcaption span')].slice(1)"
+        ".every(detail => detail.textContent.startsWith('300 '))"
+    )
     visit.page.locator("#view-methods button", has_text="first_rows").click()
     visit.drawn(3)
 
@@ -196,11 +207,18 @@ def test_pointing_at_a_cloud_reads_the_same_point_in_every_view(visit, plain_run
 def test_charts_follow_measure_reference_and_legend(visit):
     visit.page.evaluate("drawCharts()")
     visit.page.select_option("#chart-measure", "hausdorff_pct")
-    visit.page.wait_for_function("document.getElementById('chart-count')._fullLayout.yaxis.title.text.includes('Hausdorff')")
+    visit.page.wait_for_function(
+        "document.getElementById('chart-count')._fullLayout.yaxis.title.text.includes('Hausdorff')"
+    )
     visit.page.select_option("#chart-reference", "first_rows")
-    visit.page.wait_for_function("document.getElementById('chart-ratio').data.some(t => t.name === 'first_rows' && t.x.every(v => v === 1))")
+    visit.page.wait_for_function(
+        "document.getElementById('chart-ratio').data"
+        ".some(t => t.name === 'first_rows' && t.x.every(v => v === 1))"
+    )
     visit.page.locator("#chart-legend button", has_text="first_rows").click()
-    visit.page.wait_for_function("!document.getElementById('chart-count').data.some(t => t.name === 'first_rows')")
+    visit.page.wait_for_function(
+        "!document.getElementById('chart-count').data.some(t => t.name === 'first_rows')"
+    )
 
 
 def test_the_button_turns_light_to_dark_and_back(visit):

@@ -20,6 +20,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from threading import Event
+from typing import Any
 
 import cvxpy as cp
 import numpy as np
@@ -188,17 +189,15 @@ def build_programme(model: _Model) -> cp.Problem:
     membership = csr_array(
         (np.ones(n_points), (model.cells, np.arange(n_points))), shape=(n_keep, n_points + 1)
     )
-    return cp.Problem(
-        cp.Minimize(np.append(model.costs, 0.0) @ x + _EXCESS_PRICE * e),
-        [
-            cp.sum(x[:n_points]) == n_keep,  # eq. 22
-            x[n_points] == 1,  # eq. 23
-            row @ x <= y,  # eq. 24
-            -row @ x <= y,  # eq. 25
-            y <= model.tolerance + e,
-            cp.Constant(membership) @ x == 1,
-        ],
-    )
+    constraints: list[Any] = [
+        cp.sum(x[:n_points]) == n_keep,  # eq. 22
+        x[n_points] == 1,  # eq. 23
+        row @ x <= y,  # eq. 24
+        -row @ x <= y,  # eq. 25
+        y <= model.tolerance + e,
+        membership @ x == 1,
+    ]
+    return cp.Problem(cp.Minimize(np.append(model.costs, 0.0) @ x + _EXCESS_PRICE * e), constraints)
 
 
 def _solve(

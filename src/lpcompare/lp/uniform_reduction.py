@@ -17,6 +17,7 @@ from lpcompare.refinement import DensityBand, refine
 from lpcompare.types import Indices, Mask, Points, Vector
 
 _SPREAD = 0.05
+_BAND = 0.8
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +73,7 @@ def refine_in_density(
     points: Points, indices: Indices, density: ClusterDensity, n_rounds: int, tolerance: float
 ) -> Indices:
     """Exchange points against eq. 27 while every cluster keeps its density."""
-    band = DensityBand(density.labels, density.costs, tolerance)
+    band = DensityBand(density.labels, density.costs, _BAND * tolerance)
     return refine(points, indices, n_rounds=n_rounds, band=band)
 
 

@@ -28,7 +28,7 @@ def refine(
     *,
     n_rounds: int = 12,
     exchange_share: float = 0.04,
-    hole_limit: float = 1.75,
+    hole_limit: float = 1.65,
     band: DensityBand | None = None,
 ) -> Indices:
     """Exchange points of a subset so that the eq. 27 error falls and no hole opens.

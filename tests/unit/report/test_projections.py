@@ -79,7 +79,9 @@ def test_a_mesh_is_drawn(axes, wireframe):
     assert drawn(axes) > 10
 
 
-@pytest.mark.parametrize("points", [np.zeros((1, 3)), np.zeros((4, 3)), np.c_[np.arange(5.0), np.zeros((5, 2))]])
+@pytest.mark.parametrize(
+    "points", [np.zeros((1, 3)), np.zeros((4, 3)), np.c_[np.arange(5.0), np.zeros((5, 2))]]
+)
 def test_clouds_without_extent_are_drawn(axes, points):
     draw_cloud(axes, points, np.zeros(len(points)))
     drawn(axes)
