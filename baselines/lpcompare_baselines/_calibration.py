@@ -12,6 +12,8 @@ from lpcompare.types import Points
 
 _NARROWEST = 1e-4
 """Relative width at which a bracket is closed."""
+_FARTHEST = 1e9
+"""How many times smaller or larger than the first size the others may be."""
 _GOLDEN = 0.618
 
 _Probe = tuple[float, int]
@@ -22,6 +24,7 @@ def search_size(
     target_count: int,
     start: float,
     *,
+    smallest: float = 0.0,
     tolerance: int = 0,
     max_calls: int = 40,
 ) -> float:
@@ -37,6 +40,8 @@ def search_size(
     target_count : int
     start : float
         The first size tried, positive.
+    smallest : float, optional
+        The smallest size that is tried.
     tolerance : int, optional
         Points beside the target that are near enough.
     max_calls : int, optional
@@ -50,8 +55,10 @@ def search_size(
     lower: _Probe | None = None
     upper: _Probe | None = None
     nearest: tuple[int, float] | None = None
+    low, high = log(max(smallest, start / _FARTHEST)), log(start * _FARTHEST)
     x, n_closed = log(start), 0
     for call in range(max_calls):
+        x = min(max(x, low), high)
         n = count(exp(x))
         nearest = min(nearest or (abs(n - target_count), x), (abs(n - target_count), x))
         if nearest[0] <= tolerance:

@@ -1,7 +1,8 @@
 """Repeatable draws from MeshLab's random filters, and the one of them that has the count asked for.
 
-MeshLab has one random generator per process and no way to seed it. In a fresh process, skipping a number of
-its random numbers takes the place of a seed.
+MeshLab has one random generator per process and no way to seed it, and on clouds below some 20,000 points its
+Poisson disk does not even ask it. But every draw depends on the order of the points: an order drawn from a
+seed takes the place of MeshLab's own. Larger clouds need a fresh process beside it.
 """
 
 from __future__ import annotations
@@ -14,14 +15,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lpcompare.types import Indices
+from lpcompare.types import Indices, Points
 from lpcompare_baselines._calibration import search_size
-from lpcompare_baselines._meshlab import mesh_set
 
-_LARGEST_SKIP = 8192
+_LARGEST_SEED = 2**31
 _EXACT_UP_TO = 20_000
 """Points up to which the count itself is searched; beyond, one in so many may be missed."""
-_FEWEST_CALLS, _MOST_CALLS = 24, 80
+_FEWEST_CALLS, _MOST_CALLS = 24, 60
 _POINTS_PER_SEARCH = 3_000_000
 """Points that all draws of a search may look at together, within those calls."""
 
@@ -30,17 +30,17 @@ class Draw(NamedTuple):
     """A sample that can be taken again in the same state of the process."""
 
     size: float
-    n_skipped: int
+    order_seed: int
 
 
-def draw_skip(rng: np.random.Generator) -> int:
-    """How many of MeshLab's random numbers to skip."""
-    return int(rng.integers(1, _LARGEST_SKIP))
+def draw_seed(rng: np.random.Generator) -> int:
+    """A seed for the order in which MeshLab sees the points."""
+    return int(rng.integers(_LARGEST_SEED))
 
 
-def skip_draws(n_skipped: int) -> None:
-    """Move MeshLab's generator on, by a dummy sample of ``n_skipped`` points, which it shuffles."""
-    mesh_set(np.zeros((n_skipped, 3))).generate_sampling_element(sampling="Vertex", samplenum=1)
+def point_order(points: Points, order_seed: int) -> Indices:
+    """The rows of a cloud in the order that a seed gives."""
+    return np.random.default_rng(order_seed).permutation(len(points))
 
 
 def search_draw(
@@ -49,23 +49,27 @@ def search_draw(
     target_count: int,
     start: float,
     rng: np.random.Generator,
+    *,
+    smallest: float = 0.0,
 ) -> Draw:
     """The draw whose count is nearest to the target.
 
-    Counts scatter from draw to draw, so each probe skips one random number more than the one before it.
+    Counts scatter from draw to draw, so each probe takes another order of the points.
 
     Parameters
     ----------
     sample : callable
-        Rows that a size and a number of skipped random numbers give.
+        Rows that a size and a seed for the order of the points give.
     n_points, target_count : int
         Points there are, and points asked for.
     start : float
         The first size tried.
     rng : numpy.random.Generator
-        Draws the first skip.
+        Draws the first seed.
+    smallest : float, optional
+        The smallest size that is tried.
     """
-    first, tried = draw_skip(rng), list[tuple[int, Draw]]()
+    first, tried = draw_seed(rng), list[tuple[int, Draw]]()
     max_calls = int(np.clip(_POINTS_PER_SEARCH // n_points, _FEWEST_CALLS, _MOST_CALLS))
 
     def count(size: float) -> int:
@@ -74,7 +78,8 @@ def search_draw(
         tried.append((abs(n - target_count), draw))
         return n
 
-    search_size(count, target_count, start, tolerance=target_count // _EXACT_UP_TO, max_calls=max_calls)
+    tolerance = target_count // _EXACT_UP_TO
+    search_size(count, target_count, start, smallest=smallest, tolerance=tolerance, max_calls=max_calls)
     return min(tried)[1]
 
 

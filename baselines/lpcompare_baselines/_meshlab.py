@@ -7,11 +7,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lpcompare.geometry.scale import bounding_box_center
+from lpcompare.errors import InputError
+from lpcompare.geometry.scale import bounding_box_center, bounding_box_diagonal
 from lpcompare.mesh_library import pymeshlab
 from lpcompare.types import Indices, Points
 
 ml = pymeshlab()
+
+_FINEST = 1e-6
+"""Share of the bounding box's diagonal."""
 
 
 def centred(points: Points) -> Points:
@@ -31,3 +35,24 @@ def mesh_set(points: Points, faces: NDArray[np.intp] | None = None) -> Any:
 def rows_of(meshes: Any) -> Indices:
     """Rows of the input that the current layer holds, ascending; the scalar carries them through a filter."""
     return np.sort(meshes.current_mesh().vertex_scalar_array().astype(np.intp))
+
+
+def finest_length(points: Points) -> float:
+    """The smallest radius or cell size that filters are given: on much smaller ones they run for ever."""
+    return _FINEST * (bounding_box_diagonal(points) or 1.0)
+
+
+def length(value: float, points: Points) -> Any:
+    """A radius or cell size as MeshLab takes it, in model units.
+
+    Raises
+    ------
+    InputError
+        The length is not finite or too small for the cloud.
+    """
+    finest = finest_length(points)
+    if not 0.99 * finest <= value < np.inf:
+        raise InputError(
+            f"A radius or cell size is {value}; on this cloud it must be finite and at least {finest:.3g}."
+        )
+    return ml.PureValue(value)

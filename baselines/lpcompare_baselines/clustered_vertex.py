@@ -5,13 +5,15 @@ The cell size is searched outside the clock on the grid that MeshLab lays.
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from lpcompare.types import Points, Simplification, Traits
 from lpcompare_baselines._calibration import search_size, surface_spacing
 from lpcompare_baselines._cells import meshlab_cells, n_occupied
 from lpcompare_baselines._guards import check, check_distinct
-from lpcompare_baselines._meshlab import centred, mesh_set, ml
+from lpcompare_baselines._meshlab import centred, finest_length, length, mesh_set
 
 TRAITS = Traits(
     wraps="pymeshlab generate_sampling_clustered_vertex (closest to center)",
@@ -31,8 +33,9 @@ def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) ->
     """
     check(points, target_count)
     check_distinct(points, target_count)
-    start, moved = surface_spacing(points, target_count), centred(points)
-    return {"cell_size": search_size(lambda c: n_occupied(meshlab_cells(moved, c)), target_count, start)}
+    start = surface_spacing(points, target_count)
+    count = partial(_count, centred(points))
+    return {"cell_size": search_size(count, target_count, start, smallest=finest_length(points))}
 
 
 def clustered_vertex(
@@ -59,7 +62,13 @@ def clustered_vertex(
     if cell_size is None:
         cell_size = calibrate(points, target_count, rng=rng)["cell_size"]
     meshes = mesh_set(points)
-    meshes.generate_sampling_clustered_vertex(threshold=ml.PureValue(cell_size), sampling="Closest to center")
+    meshes.generate_sampling_clustered_vertex(
+        threshold=length(cell_size, points), sampling="Closest to center"
+    )
     # the new layer carries no row numbers, but the filter selects the rows that it took on the first one
     indices = np.flatnonzero(meshes.mesh(0).vertex_selection_array())
     return Simplification(points[indices], indices)
+
+
+def _count(points: Points, cell_size: float) -> int:
+    return n_occupied(meshlab_cells(points, cell_size))

@@ -7,6 +7,8 @@ weighs the points by their faces.
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from lpcompare.geometry.scale import bounding_box_center
@@ -14,7 +16,7 @@ from lpcompare.types import Points, Simplification, Traits
 from lpcompare_baselines._calibration import search_size, surface_spacing
 from lpcompare_baselines._cells import meshlab_cells, n_occupied
 from lpcompare_baselines._guards import check, check_distinct
-from lpcompare_baselines._meshlab import centred, mesh_set, ml
+from lpcompare_baselines._meshlab import centred, finest_length, length, mesh_set
 
 TRAITS = Traits(
     wraps="pymeshlab meshing_decimation_clustering",
@@ -36,8 +38,9 @@ def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) ->
     """
     check(points, target_count)
     check_distinct(points, target_count)
-    start, moved = surface_spacing(points, target_count), centred(points)
-    return {"cell_size": search_size(lambda c: n_occupied(meshlab_cells(moved, c)), target_count, start)}
+    start = surface_spacing(points, target_count)
+    count = partial(_count, centred(points))
+    return {"cell_size": search_size(count, target_count, start, smallest=finest_length(points))}
 
 
 def clustering_decimation(
@@ -64,5 +67,9 @@ def clustering_decimation(
     if cell_size is None:
         cell_size = calibrate(points, target_count, rng=rng)["cell_size"]
     meshes = mesh_set(points)
-    meshes.meshing_decimation_clustering(threshold=ml.PureValue(cell_size))
+    meshes.meshing_decimation_clustering(threshold=length(cell_size, points))
     return Simplification(meshes.current_mesh().vertex_matrix() + bounding_box_center(points))
+
+
+def _count(points: Points, cell_size: float) -> int:
+    return n_occupied(meshlab_cells(points, cell_size))

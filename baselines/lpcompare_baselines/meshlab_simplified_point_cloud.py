@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from lpcompare.types import Indices, Points, Simplification, Traits
-from lpcompare_baselines._draws import draw_skip, search_draw, skip_draws
+from lpcompare_baselines._draws import draw_seed, point_order, search_draw
 from lpcompare_baselines._guards import check, check_distinct
 from lpcompare_baselines._meshlab import mesh_set, rows_of
 
@@ -27,7 +27,7 @@ _USUAL_EXCESS = 1.36
 
 
 def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) -> dict[str, int]:
-    """Draws to skip, and the ``samplenum`` at which the draw after them has ``target_count`` points.
+    """``samplenum`` and order of the points at which a draw has ``target_count`` points.
 
     Raises
     ------
@@ -37,11 +37,11 @@ def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) ->
     check(points, target_count)
     check_distinct(points, target_count)
 
-    def sample(excess: float, n_skipped: int) -> Indices:
-        return _sample(points, _asked(target_count, excess), n_skipped)
+    def sample(excess: float, order_seed: int) -> Indices:
+        return _sample(points, _asked(target_count, excess), order_seed)
 
     draw = search_draw(sample, len(points), target_count, _USUAL_EXCESS, rng)
-    return {"samplenum": _asked(target_count, draw.size), "n_skipped": draw.n_skipped}
+    return {"samplenum": _asked(target_count, draw.size), "order_seed": draw.order_seed}
 
 
 def meshlab_simplified_point_cloud(
@@ -50,7 +50,7 @@ def meshlab_simplified_point_cloud(
     *,
     rng: np.random.Generator,
     samplenum: int | None = None,
-    n_skipped: int | None = None,
+    order_seed: int | None = None,
 ) -> Simplification:
     """Keep what MeshLab keeps.
 
@@ -60,11 +60,11 @@ def meshlab_simplified_point_cloud(
     target_count : int
         From 1 to the number of distinct points.
     rng : numpy.random.Generator
-        Draws ``n_skipped``; in a fresh process the same seed gives the same points.
+        Draws ``order_seed``; in a fresh process the same seed gives the same points.
     samplenum : int, optional
         The number that the filter is asked for; by default the one that `calibrate` finds.
-    n_skipped : int, optional
-        Random numbers of MeshLab's to skip.
+    order_seed : int, optional
+        Seed of the order in which MeshLab sees the points; by default drawn from ``rng``.
 
     Returns
     -------
@@ -80,7 +80,7 @@ def meshlab_simplified_point_cloud(
     if samplenum is None:
         found = calibrate(points, target_count, rng=rng)
         return meshlab_simplified_point_cloud(points, target_count, rng=rng, **found)
-    indices = _sample(points, samplenum, draw_skip(rng) if n_skipped is None else n_skipped)
+    indices = _sample(points, samplenum, draw_seed(rng) if order_seed is None else order_seed)
     return Simplification(points[indices], indices)
 
 
@@ -88,8 +88,8 @@ def _asked(target_count: int, excess: float) -> int:
     return int(min(max(round(target_count / excess), 1), _MOST_ASKED))
 
 
-def _sample(points: Points, samplenum: int, n_skipped: int) -> Indices:
-    skip_draws(n_skipped)
-    meshes = mesh_set(points)
+def _sample(points: Points, samplenum: int, order_seed: int) -> Indices:
+    order = point_order(points, order_seed)
+    meshes = mesh_set(points[order])
     meshes.generate_simplified_point_cloud(samplenum=samplenum)
-    return rows_of(meshes)
+    return np.sort(order[rows_of(meshes)])

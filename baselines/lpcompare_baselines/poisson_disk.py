@@ -13,9 +13,9 @@ import numpy as np
 
 from lpcompare.types import Indices, Points, Simplification, Traits
 from lpcompare_baselines._calibration import surface_spacing
-from lpcompare_baselines._draws import draw_skip, search_draw, skip_draws
+from lpcompare_baselines._draws import draw_seed, point_order, search_draw
 from lpcompare_baselines._guards import check, check_distinct
-from lpcompare_baselines._meshlab import mesh_set, ml, rows_of
+from lpcompare_baselines._meshlab import finest_length, length, mesh_set, rows_of
 
 TRAITS = Traits(
     wraps="pymeshlab generate_sampling_poisson_disk (subsample)",
@@ -27,7 +27,7 @@ TRAITS = Traits(
 
 
 def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) -> dict[str, Any]:
-    """Draws to skip, and radius in model units at which the draw after them has ``target_count`` points.
+    """Radius, in model units, and order of the points at which a draw has ``target_count`` points.
 
     Raises
     ------
@@ -37,8 +37,12 @@ def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) ->
     check(points, target_count)
     check_distinct(points, target_count)
     start = surface_spacing(points, target_count)
-    draw = search_draw(lambda size, skip: _sample(points, size, skip), len(points), target_count, start, rng)
-    return {"radius": draw.size, "n_skipped": draw.n_skipped}
+
+    def sample(radius: float, order_seed: int) -> Indices:
+        return _sample(points, radius, order_seed)
+
+    draw = search_draw(sample, len(points), target_count, start, rng, smallest=finest_length(points))
+    return {"radius": draw.size, "order_seed": draw.order_seed}
 
 
 def poisson_disk(
@@ -47,7 +51,7 @@ def poisson_disk(
     *,
     rng: np.random.Generator,
     radius: float | None = None,
-    n_skipped: int | None = None,
+    order_seed: int | None = None,
 ) -> Simplification:
     """Keep a maximal set of points that are ``radius`` apart.
 
@@ -57,11 +61,11 @@ def poisson_disk(
     target_count : int
         From 1 to the number of distinct points.
     rng : numpy.random.Generator
-        Draws ``n_skipped``; in a fresh process the same seed gives the same points.
+        Draws ``order_seed``; in a fresh process the same seed gives the same points.
     radius : float, optional
         In model units; by default the one that `calibrate` finds.
-    n_skipped : int, optional
-        Random numbers of MeshLab's to skip.
+    order_seed : int, optional
+        Seed of the order in which MeshLab sees the points; by default drawn from ``rng``.
 
     Returns
     -------
@@ -76,12 +80,12 @@ def poisson_disk(
     check(points, target_count)
     if radius is None:
         return poisson_disk(points, target_count, rng=rng, **calibrate(points, target_count, rng=rng))
-    indices = _sample(points, radius, draw_skip(rng) if n_skipped is None else n_skipped)
+    indices = _sample(points, radius, draw_seed(rng) if order_seed is None else order_seed)
     return Simplification(points[indices], indices)
 
 
-def _sample(points: Points, radius: float, n_skipped: int) -> Indices:
-    skip_draws(n_skipped)
-    meshes = mesh_set(points)
-    meshes.generate_sampling_poisson_disk(subsample=True, radius=ml.PureValue(radius))
-    return rows_of(meshes)
+def _sample(points: Points, radius: float, order_seed: int) -> Indices:
+    order = point_order(points, order_seed)
+    meshes = mesh_set(points[order])
+    meshes.generate_sampling_poisson_disk(subsample=True, radius=length(radius, points))
+    return np.sort(order[rows_of(meshes)])

@@ -24,7 +24,7 @@ ALLOWED = {
     "harness": CORE | {"geometry", "io", "registry", "models", "comparison", "refinement"},
     "report": CORE | {"mesh_library", "geometry", "comparison", "registry", "harness"},
     "reproduction": CORE | {"geometry", "lp", "comparison", "registry", "models", "harness", "report"},
-    "meshlab": CORE | {"mesh_library", "geometry", "lp", "comparison"},
+    "meshlab": CORE | {"mesh_library", "io", "geometry", "lp", "comparison"},
 }
 
 

@@ -1,4 +1,4 @@
-"""Run folders for the tests of the report: real methods and errors on a small cloud, in the harness's layout."""
+"""Run folders for the tests of the report: real errors on a small cloud, in the harness's layout."""
 
 import json
 from pathlib import Path
@@ -84,7 +84,11 @@ class MadeRun:
             "schema_version": SCHEMA_VERSION,
             "complete": True,
             "plan": {"models": list(self.inputs), "repeats": 1},
-            "environment": {"command": "lpcompare run --model made", "cpu": "a processor", "packages": {"numpy": "2"}},
+            "environment": {
+                "command": "lpcompare run --model made",
+                "cpu": "a processor",
+                "packages": {"numpy": "2"},
+            },
             "inputs": self.inputs,
             "records": [record.to_dict() for record in self.records],
         }

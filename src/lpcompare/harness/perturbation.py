@@ -58,7 +58,8 @@ LARGEST_LEVEL = {"none": 0.0, "noise": 10.0, "outliers": 1.0, "uneven": 1.0, "mi
 def perturb(cloud: PointCloud, perturbation: Perturbation, seed: int) -> PointCloud:
     """The cloud after the damage; the same for every method, reduction and repeat of a seed.
 
-    Faces follow the points that stay; added points belong to no face and carry zeros in every attribute.
+    Faces follow the points that stay; added points carry zeros in every attribute and belong to no face, so
+    that a method that works on the mesh alone never sees them.
 
     Parameters
     ----------

@@ -5,6 +5,7 @@ Layout of a run's folder::
     run.json        {"schema_version", "complete", "plan", "environment", "inputs", "records": [Record, ...]}
     records.jsonl   while the run is going on: one finished record per line, ahead of run.json
     records.csv     the same rows, flat: one column per field, per metric and per stage time
+    summary.csv     medians, quartiles and bootstrap intervals over repeats and seeds
     clouds/         <input>.npz (points, faces) and one .npz per result (points, indices, plane_errors)
 """
 
@@ -51,10 +52,13 @@ class Record:
         Whether `lpcompare.refinement` worked on the result.
     settings : mapping
         Effective settings of the method, calibrated ones among them.
-    runtime_s, calibration_s : float or None
-        Seconds of the call, and of the search for its radius or cell size before it.
-    reference_s : float or None
-        Seconds of a fixed piece of work in the same process just before the call: how fast the machine was.
+    runtime_s, cpu_s : float or None
+        Seconds of the call on the wall clock, and of all processors together.
+    calibration_s : float or None
+        Seconds of the search for a radius or a cell size before the call.
+    reference_s, reference_cpu_s : float or None
+        Seconds of a fixed piece of work in the same process just before and after the call: how fast the
+        machine was.
     peak_memory_mib : float or None
         Largest resident memory of the child process up to the end of the call, imports included.
     subset, needs_mesh : bool or None
@@ -89,7 +93,9 @@ class Record:
     n_output: int | None = None
     runtime_s: float | None = None
     calibration_s: float | None = None
+    cpu_s: float | None = None
     reference_s: float | None = None
+    reference_cpu_s: float | None = None
     peak_memory_mib: float | None = None
     subset: bool | None = None
     needs_mesh: bool | None = None
@@ -116,6 +122,8 @@ class Record:
         InputError
             A field is missing or has the wrong type.
         """
+        if not isinstance(row, Mapping):
+            raise InputError(f"A record is {row!r}, not an object.")
         hints = get_type_hints(cls)
         known = {f.name for f in fields(cls)}
         for name in ("model", "method", "reduction", "n_input", "target_count", "seed", "repeat", "status"):

@@ -14,6 +14,7 @@ from typing import Any
 
 from lpcompare.errors import InputError
 from lpcompare.harness.record import SCHEMA_VERSION, Record
+from lpcompare.harness.summary import summary_rows
 
 _NESTED = ("settings", "timings", "metrics", "info")
 
@@ -63,10 +64,11 @@ class RunFolder:
             os.fsync(file.fileno())
 
     def end(self, records: Iterable[Record], *, complete: bool) -> None:
-        """Write run.json and records.csv with every record, and clear away what only a running run needs."""
+        """Write run.json and the tables with every record; clear away what only a running run needs."""
         records = list(records)
         self._write_document(records, complete=complete)
-        replace_text(self.path / "records.csv", _table(records))
+        replace_text(self.path / "records.csv", _table([_flat(record) for record in records]))
+        replace_text(self.path / "summary.csv", _table(summary_rows(records)))
         self._lines.unlink(missing_ok=True)
         shutil.rmtree(self.scratch, ignore_errors=True)
 
@@ -97,9 +99,8 @@ def _line(record: Record) -> str:
     return json.dumps(record.to_dict(), allow_nan=False) + "\n"
 
 
-def _table(records: list[Record]) -> str:
-    """The records as CSV; stage times as ``time_<stage>_s``, settings and info as JSON, metrics by name."""
-    rows = [_flat(record) for record in records]
+def _table(rows: list[dict[str, Any]]) -> str:
+    """Rows as CSV; a column for every key that occurs."""
     columns = list(dict.fromkeys(name for row in rows for name in row))
     text = io.StringIO()
     writer = csv.DictWriter(text, columns, lineterminator="\n")
@@ -109,6 +110,7 @@ def _table(records: list[Record]) -> str:
 
 
 def _flat(record: Record) -> dict[str, Any]:
+    """A record in one row: stage times as ``time_<stage>_s``, settings and info as JSON, metrics by name."""
     row = record.to_dict()
     flat = {name: value for name, value in row.items() if name not in _NESTED}
     flat |= {name: json.dumps(row[name], sort_keys=True) for name in ("settings", "info")}

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import gc
 from collections.abc import Callable
-from time import perf_counter
+from dataclasses import dataclass
+from statistics import median
+from time import perf_counter, process_time
 from typing import TypeVar
 
 import numpy as np
@@ -15,21 +17,31 @@ T = TypeVar("T")
 _REFERENCE_POINTS, _REFERENCE_ROUNDS = 4000, 3
 
 
-def timed(call: Callable[[], T]) -> tuple[T, float]:
-    """The result of a call, and its seconds on the wall clock."""
+@dataclass(frozen=True)
+class Seconds:
+    """How long something took: on the wall clock, and of all processors together."""
+
+    wall: float
+    cpu: float
+
+
+def timed(call: Callable[[], T]) -> tuple[T, Seconds]:
+    """The result of a call, and its seconds."""
     gc.collect()
-    start = perf_counter()
+    wall, cpu = perf_counter(), process_time()
     result = call()
-    return result, perf_counter() - start
+    return result, Seconds(perf_counter() - wall, process_time() - cpu)
 
 
-def reference_seconds() -> float:
-    """Seconds of a fixed k-d tree search and matrix product on one thread, the best of three.
+def reference_seconds() -> Seconds:
+    """Seconds of a fixed piece of work on one thread, the median of three: a k-d tree search, small matrices.
 
-    The work never changes, so its time is a property of the machine and of what else runs on it.
+    The work never changes, so its time is a property of the machine and of what else runs on it. It is done
+    just before and just after the timed call; runtimes of two runs are compared in units of it.
     """
     points = np.random.default_rng(0).random((_REFERENCE_POINTS, 3))
-    return min(timed(lambda: _reference_work(points))[1] for _ in range(_REFERENCE_ROUNDS))
+    rounds = [timed(lambda: _reference_work(points))[1] for _ in range(_REFERENCE_ROUNDS)]
+    return Seconds(median(r.wall for r in rounds), median(r.cpu for r in rounds))
 
 
 def _reference_work(points: np.ndarray) -> None:

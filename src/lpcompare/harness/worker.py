@@ -23,11 +23,13 @@ import numpy as np
 from lpcompare.errors import LpcompareError, NotApplicable, Unavailable
 from lpcompare.harness.clouds import load_cloud, save_arrays
 from lpcompare.harness.limits import die_with_parent, limit_memory, peak_memory_mib
-from lpcompare.harness.verdict import fault
+from lpcompare.harness.verdict import fault, shortfall
 from lpcompare.registry import METHODS, METRICS
 from lpcompare.types import Indices, PointCloud, Simplification
 
 _SCALARS = (bool, int, float, str)
+_MARKS = ("labels", "curvature", "feature_mask")
+"""What a method may say of each original point; kept beside the result, for the report."""
 
 
 class Case:
@@ -127,23 +129,28 @@ def _simplify(request: dict[str, Any], reply: Reply) -> Simplification | None:
     warm_up(case.call, case.traits)
     before, cloud = load_cloud(Path(request["input"])), load_cloud(Path(request["input"]))
     reply.stage("the calibration")
-    _, calibration_s = timed(lambda: case.calibrate(cloud, target))
-    reference_s = reference_seconds()
+    _, search = timed(lambda: case.calibrate(cloud, target))
+    before_call = reference_seconds()
     reply.stage("the call")
-    result, runtime_s = timed(lambda: case.call(cloud, target, case.generator()))
+    result, seconds = timed(lambda: case.call(cloud, target, case.generator()))
+    peak = peak_memory_mib()
+    after_call = reference_seconds()
     reply.stage("the check of the result")
     wrong = fault(result, before, cloud, target, case.traits)
     reply.fields |= {
-        "runtime_s": runtime_s,
-        "calibration_s": calibration_s if hasattr(case.module, "calibrate") else None,
-        "reference_s": reference_s,
-        "peak_memory_mib": peak_memory_mib(),
+        "runtime_s": seconds.wall,
+        "cpu_s": seconds.cpu,
+        "calibration_s": search.wall if hasattr(case.module, "calibrate") else None,
+        "reference_s": (before_call.wall + after_call.wall) / 2,
+        "reference_cpu_s": (before_call.cpu + after_call.cpu) / 2,
+        "peak_memory_mib": peak,
         "settings": case.effective_settings(),
         "needs_mesh": case.traits.needs_mesh,
     }
     if wrong:
         reply.write(status="failed", message=wrong)
         return None
+    reply.fields["message"] = shortfall(len(result), target, case.traits)
     if request["refine"] and result.indices is not None:
         result = _refine(before, result, result.indices, reply)
     reply.write(**_facts(result))
@@ -157,8 +164,9 @@ def _refine(cloud: PointCloud, result: Simplification, rows: Indices, reply: Rep
 
     reply.stage("the refinement")
     indices, seconds = timed(lambda: refine(cloud.points, rows))
-    reply.fields |= {"refined": True, "runtime_s": reply.fields["runtime_s"] + seconds}
-    timings = {**result.timings, "refine": seconds}
+    reply.fields |= {"refined": True, "runtime_s": reply.fields["runtime_s"] + seconds.wall}
+    reply.fields["cpu_s"] += seconds.cpu
+    timings = {**result.timings, "refine": seconds.wall}
     return Simplification(cloud.points[indices], indices, timings, result.info)
 
 
@@ -187,7 +195,7 @@ def _judge(request: dict[str, Any], result: Simplification, reply: Reply) -> Non
         try:
             values = METRICS.get(name)(comparison)
         except LpcompareError as error:
-            reply.fields["message"] += f"Metric {name}: {error} "
+            reply.fields["message"] = f"{reply.fields['message']} Metric {name}: {error}".strip()
             values = {}
         numbers = {k: float(v) if math.isfinite(v) else None for k, v in values.items()}
         reply.write(metrics=reply.fields["metrics"] | numbers)
@@ -196,6 +204,7 @@ def _judge(request: dict[str, Any], result: Simplification, reply: Reply) -> Non
         arrays = {"points": result.points, "plane_errors": comparison.plane_errors(8).astype(np.float32)}
         if result.indices is not None:
             arrays["indices"] = result.indices
+        arrays |= {name: result.info[name] for name in _MARKS if name in result.info}
         save_arrays(Path(request["output"]), arrays)
 
 

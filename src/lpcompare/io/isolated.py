@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from lpcompare.errors import InputError, Unavailable
 from lpcompare.types import Indices, PointCloud
 
-_SECONDS = 60.0
+_SECONDS = 20.0
 _SECONDS_PER_MIB = 2.0
 _FIELDS = ("points", "normals", "colors", "faces")
 _ATTRIBUTE = "attribute:"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -46,9 +47,9 @@ class Certificate:
     status : str
         "optimal" (within the tolerance), "time limit", "interrupted" or "inaccurate".
     proof : str
-        Where the bound comes from: "counting" (there was nothing to choose), "zero" (an absolute value is
-        never negative), "sorting" (no mean of nr costs lies outside those of the nearest and the farthest
-        points), or "solver" (the solver's own bound).
+        Where the bound comes from: "zero" (an absolute value is never negative), "sorting" (no mean of nr
+        costs lies outside those of the nearest and the farthest points), "counting" (every sum of nr costs
+        was listed, or there was nothing to choose), or "solver" (the solver's own bound).
     objective : float
         Z of eq. 14, recomputed in float64 from the selection.
     bound : float
@@ -90,7 +91,11 @@ class Certificate:
 
 
 def certify(
-    costs: Vector, mask: Mask, goal: DensityGoal, status: str = "optimal", solver_bound: float = 0.0
+    costs: Vector,
+    mask: Mask,
+    goal: DensityGoal,
+    status: str = "optimal",
+    bounds: Mapping[str, float] | None = None,
 ) -> Certificate:
     """Recompute Z and name the first bound that proves it, or else the highest.
 
@@ -102,8 +107,8 @@ def certify(
     goal : DensityGoal
     status : str
         How the solver ended; a bound within the tolerance makes it "optimal".
-    solver_bound : float
-        The solver's lower bound on Z.
+    bounds : mapping of str to float, optional
+        Further lower bounds on Z, by the name of their proof.
 
     Returns
     -------
@@ -111,16 +116,16 @@ def certify(
     """
     n_keep = int(mask.sum())
     objective = goal.objective(costs[mask])
-    bounds = {"zero": 0.0, "sorting": _sorting_bound(costs, n_keep, goal), "solver": solver_bound}
+    known = {"zero": 0.0, "sorting": _sorting_bound(costs, n_keep, goal), **(bounds or {})}
     if n_keep in (0, len(costs)):
-        bounds = {"counting": objective}
-    enough = [name for name, bound in bounds.items() if objective - bound <= TOLERANCE * goal.density]
-    proof = enough[0] if enough else max(bounds, key=lambda name: bounds[name])
+        known = {"counting": objective}
+    enough = [name for name, bound in known.items() if objective - bound <= TOLERANCE * goal.density]
+    proof = enough[0] if enough else max(known, key=lambda name: known[name])
     return Certificate(
         "optimal" if enough else status,
         proof,
         objective,
-        min(bounds[proof], objective),
+        min(known[proof], objective),
         goal.density,
         _mean(costs[mask]),
         len(costs),

@@ -12,6 +12,7 @@ from lpcompare.lp.budget import target_from_reduction
 from lpcompare.types import Points
 
 _LARGEST = 1e150
+_SMALLEST = 1e-150
 
 
 def check_cloud(points: object) -> Points:
@@ -40,6 +41,9 @@ def check_cloud(points: object) -> Points:
         )
     if np.abs(cloud).max() > _LARGEST:
         raise InputError(f"points has coordinates beyond {_LARGEST:g}, whose squares overflow; rescale them.")
+    extent = float(np.ptp(cloud, axis=0).max())
+    if 0 < extent < _SMALLEST:
+        raise InputError(f"points spread over {extent:g} only, whose squares underflow; rescale them.")
     return cloud
 
 

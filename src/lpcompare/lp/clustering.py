@@ -7,11 +7,13 @@ Each iteration is two matrix products per block of points. With the ten features
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 from sklearn.cluster import KMeans
+from sklearn.exceptions import ConvergenceWarning
 from sklearn.metrics import pairwise_distances_argmin
 from threadpoolctl import threadpool_limits
 
@@ -24,6 +26,7 @@ FIT_LIMIT = 50_000
 _START_LIMIT = 16_000
 _BLOCK = 4096
 _TINIEST = 1e-280
+_LOST = 1e-6
 _PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 
 
@@ -122,6 +125,7 @@ def cluster_points(
     # one thread inside each of ours: faster, and the same sums on any machine
     with threadpool_limits(1):
         labels = start_labels(points[rows], n_clusters, rng) if start is None else start[rows]
+        labels = np.unique(labels, return_inverse=True)[1]
         rule = _Rule(tolerance, max_iterations, regularization)
         mixture = _expectation_maximization(_features(points[rows]), labels, rule, progress)
         return replace(mixture, labels=assign(points, mixture))
@@ -141,7 +145,10 @@ def start_labels(points: Points, n_clusters: int, rng: np.random.Generator) -> I
     sample = points[_fitted_rows(len(points), _START_LIMIT, rng)]
     n_distinct = len(np.unique(sample, axis=0))
     seed = int(rng.integers(2**31))
-    model = KMeans(min(n_clusters, n_distinct), n_init="auto", random_state=seed).fit(sample)
+    with warnings.catch_warnings():
+        # fewer distinct centres than asked for only leave components out
+        warnings.simplefilter("ignore", ConvergenceWarning)
+        model = KMeans(min(n_clusters, n_distinct), n_init="auto", random_state=seed).fit(sample)
     return pairwise_distances_argmin(points, model.cluster_centers_)
 
 
@@ -183,7 +190,9 @@ def _log_density_coefficients(mixture: Mixture) -> NDArray[np.float64]:
     variances, axes = np.linalg.eigh(mixture.covariances)
     means, precisions = mixture.means, (axes / variances[:, None]) @ axes.transpose(0, 2, 1)
     linear = np.einsum("cij,cj->ci", precisions, means)
-    constant = -0.5 * (3 * np.log(2 * np.pi) + np.log(variances).sum(axis=1) + np.einsum("ci,ci->c", means, linear))
+    constant = -0.5 * (
+        3 * np.log(2 * np.pi) + np.log(variances).sum(axis=1) + np.einsum("ci,ci->c", means, linear)
+    )
     square = -0.5 * precisions[:, range(3), range(3)]
     cross = -precisions[:, (0, 0, 1), (1, 2, 2)]
     rows = np.column_stack([np.log(mixture.weights) + constant, linear, square, cross])
@@ -234,4 +243,7 @@ def _maximize(sums: NDArray[np.float64], labels: Indices, rule: _Rule) -> Mixtur
         moment = sums[:, column] / counts - means[:, i] * means[:, j]
         covariances[:, i, j] = covariances[:, j, i] = moment
     covariances[:, range(3), range(3)] += rule.regularization
+    # a component that lost its points waits with the spread of the whole cloud
+    lost = counts < _LOST
+    means[lost], covariances[lost] = 0.0, np.eye(3)
     return Mixture(labels, counts / counts.sum(), means, covariances, np.empty(0), False)

@@ -15,10 +15,12 @@ import numpy as np
 
 from lpcompare.errors import SolverError
 from lpcompare.lp.certificate import TOLERANCE, Certificate, DensityGoal, certify
+from lpcompare.lp.enumeration import nearest_sum
 from lpcompare.lp.highs import solve_from
-from lpcompare.lp.start import exchange, starting_mask
+from lpcompare.lp.start import exchange, rearrange, starting_mask
 from lpcompare.types import Mask, Vector
 
+_TURNS = 4
 _LIMITS = {
     "HIGHS": lambda s: {"time_limit": s.time_limit, "mip_rel_gap": s.gap},
     "SCIPY": lambda s: {"scipy_options": {"time_limit": s.time_limit, "mip_rel_gap": s.gap}},
@@ -113,7 +115,7 @@ def _select_from(
     start: Mask, costs: Vector, goal: DensityGoal, settings: SolverSettings, cancelled: Event | None
 ) -> tuple[Mask, Certificate]:
     """Give HiGHS the starting solution; what it returns is improved by exchanges and certified."""
-    first = certify(costs, start, goal)
+    start, first = _certified_start(start, costs, goal)
     problem, x = build_programme(costs, first.n_keep, goal)
     (y,) = (v for v in problem.variables() if v is not x)
     outcome = solve_from(
@@ -126,7 +128,24 @@ def _select_from(
     )
     found = exchange(costs, _rounded(x, first.n_keep), goal.wanted)
     best = min((start, found), key=lambda mask: goal.objective(costs[mask]))
-    return best, certify(costs, best, goal, outcome.status, outcome.bound)
+    bounds = {first.proof: first.bound} if first.proven else {"solver": outcome.bound}
+    return best, certify(costs, best, goal, outcome.status, bounds)
+
+
+def _certified_start(start: Mask, costs: Vector, goal: DensityGoal) -> tuple[Mask, Certificate]:
+    """The start, improved where no bound proves it: a few points anew, then all if affordable."""
+    first = certify(costs, start, goal, "open")
+    for turn in range(_TURNS):
+        if first.proven:
+            return start, first
+        start = min(
+            (start, rearrange(costs, start, goal.wanted, turn)), key=lambda m: goal.objective(costs[m])
+        )
+        first = certify(costs, start, goal, "open")
+    counted = nearest_sum(costs, first.n_keep, goal.wanted)
+    if counted is None:
+        return start, first
+    return counted, certify(costs, counted, goal, bounds={"counting": goal.objective(costs[counted])})
 
 
 def _select_cold(
@@ -147,8 +166,8 @@ def _select_cold(
         raise _no_selection(name, n_keep, len(costs))
     status = {"optimal": "optimal", "user_limit": "time limit"}.get(str(problem.status), "inaccurate")
     mask = _rounded(x, n_keep)
-    bound = goal.objective(costs[mask]) if status == "optimal" else 0.0
-    return mask, certify(costs, mask, goal, status, bound)
+    bounds = {"solver": goal.objective(costs[mask])} if status == "optimal" else None
+    return mask, certify(costs, mask, goal, status, bounds)
 
 
 def _no_selection(name: str, n_keep: int, n_points: int) -> SolverError:

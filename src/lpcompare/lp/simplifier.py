@@ -280,6 +280,7 @@ class LPSimplifier(BaseEstimator):
     def _simplification(self, points: Points) -> Simplification:
         info = {
             "labels": self.labels_,
+            "curvature": self.curvature_.absolute,
             "feature_mask": self.feature_mask_,
             "certificates": self.certificates_,
             "n_clusters": self.mixture_.n_clusters,

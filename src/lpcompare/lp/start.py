@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from lpcompare.lp.enumeration import nearest_sum
 from lpcompare.types import Indices, Mask, Vector
 
 _EXCHANGES = 50
+_FEW = 12
+_MANY = 200
 
 
 def starting_mask(costs: Vector, n_keep: int, target: float, rng: np.random.Generator) -> Mask:
@@ -84,6 +87,31 @@ def exchange(costs: Vector, mask: Mask, target: float) -> Mask:
             break
         mask[drop], mask[add] = False, True
     return mask
+
+
+def rearrange(costs: Vector, mask: Mask, target: float, turn: int) -> Mask:
+    """Choose anew, and optimally, among a few kept and a few other points, spread over the costs.
+
+    The arguments and the result are those of `exchange`; each ``turn`` takes other points.
+    """
+    order = np.argsort(costs, kind="stable")
+    inside, outside = order[mask[order]], order[~mask[order]]
+    kept = _spread(inside, _FEW, turn)
+    others = _spread(outside, max(_FEW, _MANY // len(kept)), turn)
+    few = np.concatenate([kept, others])
+    fixed = float(costs[inside].sum()) - float(costs[kept].sum())
+    chosen = nearest_sum(costs[few], len(kept), (target * len(inside) - fixed) / len(kept))
+    if chosen is None:
+        return mask
+    mask = mask.copy()
+    mask[few] = chosen
+    return mask
+
+
+def _spread(rows: Indices, most: int, turn: int) -> Indices:
+    """Up to ``most`` of the rows, evenly spaced, each ``turn`` one place further on."""
+    n_rows = min(len(rows), most)
+    return rows[(np.arange(n_rows) * len(rows) // max(n_rows, 1) + turn) % max(len(rows), 1)]
 
 
 def _best_pair(costs: Vector, inside: Indices, outside: Indices, missing: float) -> tuple[int, int]:

@@ -144,7 +144,7 @@ def _render(template: str, context: Mapping[str, Any]) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= {"number": number, "percent": percent}
+    environment.filters |= {"number": number, "percent": percent, "rank": "{:.1f}".format}
     environment.globals |= {"quantity": quantity, "interval": _interval, "asset": _asset, "plotly": _plotly}
     return environment.get_template(template).render(context)
 

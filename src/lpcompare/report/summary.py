@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 
 from lpcompare.report.cells import Cell, distinct, pareto_front
 from lpcompare.report.columns import ERROR, RUNTIME, headings, metric_keys
-from lpcompare.report.ranks import rank_over_cells, rank_over_models
+from lpcompare.report.ranks import Ranking, rank_over_cells, rank_over_models
 from lpcompare.report.wording import count, listing, number, percent, seconds
 
 _MISS = 0.01
@@ -34,7 +34,7 @@ def summarize(cells: Sequence[Cell]) -> list[str]:
     good = [cell for cell in cells if cell.ok]
     if not good:
         return [_scope(cells), "No case ended with a result.", *_troubles(cells)]
-    return [_scope(cells), *_error(good), *_points_alone(good), *_speed(good), *_front(good),
+    return [_scope(cells), *_error(good), *_under_conditions(good), *_speed(good), *_front(good),
             *_other_metrics(good), *_ranks(good), *_misses(good), *_troubles(cells)]  # fmt: skip
 
 
@@ -59,7 +59,9 @@ def _error(good: Sequence[Cell]) -> Iterator[str]:
         return
     for winner in sorted(set(winners), key=lambda w: -winners.count(w))[:_LONGEST_LIST]:
         won = [ranked for ranked in tables if ranked[0].method == winner]
-        yield f"{winner} has the lowest error (eq. 27) {_places(won, tables)}{_lead(won)}."
+        span = _range([ranked[0].value(ERROR) for ranked in won])
+        where = _places(won, tables)
+        yield f"{winner} has the lowest error (eq. 27) {where}, {span} % of the diagonal{_lead(won)}."
 
 
 def _contests(good: Sequence[Cell]) -> list[list[Cell]]:
@@ -74,8 +76,8 @@ def _contests(good: Sequence[Cell]) -> list[list[Cell]]:
 def _places(won: list[list[Cell]], tables: list[list[Cell]]) -> str:
     """Where: the reductions on a single model, else the share of the model-reduction pairs."""
     if len({ranked[0].model for ranked in tables}) > 1:
-        what = count(len(tables), "pair") + " of model and reduction"
-        return f"in {'all ' if len(won) == len(tables) else f'{len(won)} of '}{what}"
+        share = f"all {len(won)}" if len(won) == len(tables) else f"{len(won)} of {len(tables)}"
+        return f"in {share} pairs of model and reduction"
     if len(won) == len(tables) > 1:
         return "at both reductions" if len(tables) == 2 else f"at all {count(len(tables), 'reduction')}"
     return f"at {listing([percent(ranked[0].reduction) for ranked in won])}"
@@ -109,21 +111,22 @@ def _overlap(rivals: list[list[Cell]]) -> str:
     return f" (the repeats of the first two overlap in {count(len(met), 'case')}: not told apart there)"
 
 
-def _points_alone(good: Sequence[Cell]) -> Iterator[str]:
-    """The best of those that were given no mesh, where a method that was given one leads."""
-    tables = _contests(good)
-    if not any(ranked[0].needs_mesh for ranked in tables):
-        return
-    alone = [[c for c in ranked if not c.needs_mesh] for ranked in tables]
-    winners = [ranked[0].method for ranked in alone if ranked]
+def _under_conditions(good: Sequence[Cell]) -> Iterator[str]:
+    """The best of those without a mesh, and of those that keep original points, where others lead."""
+    winners = [ranked[0] for ranked in _contests(good)]
+    if any(cell.needs_mesh for cell in winners):
+        yield from _best_of([c for c in good if not c.needs_mesh], "that were given points and no mesh")
+    if any(cell.subset is False for cell in winners):
+        yield from _best_of([c for c in good if c.subset], "whose result is a subset of the original points")
+
+
+def _best_of(cells: Sequence[Cell], which: str) -> Iterator[str]:
+    tables = _contests(cells)
+    winners = [ranked[0].method for ranked in tables]
     if winners:
-        best = sorted(set(winners), key=lambda w: -winners.count(w))[0]
-        share = (
-            f"in {winners.count(best)} of {len(winners)}"
-            if winners.count(best) < len(winners)
-            else "everywhere"
-        )
-        yield f"Of the methods that were given points and no mesh, {best} has the lowest error {share}."
+        best = max(dict.fromkeys(winners), key=winners.count)
+        won = [ranked for ranked in tables if ranked[0].method == best]
+        yield f"Of the methods {which}, {best} has the lowest error {_places(won, tables)}{_lead(won)}."
 
 
 def _speed(good: Sequence[Cell]) -> Iterator[str]:
@@ -176,24 +179,27 @@ def _other_metrics(good: Sequence[Cell]) -> Iterator[str]:
     dissent: dict[str, list[str]] = {}
     for key in metric_keys(known):
         ranking = rank_over_cells(good, known[key])
-        if known[key].better and ranking.methods and ranking.methods[0] != first.methods[0]:
-            dissent.setdefault(ranking.methods[0], []).append(_short_title(known[key].title))
-    told = [
-        f"{m} is best by {_titles(titles)}" for m, titles in sorted(dissent.items(), key=lambda d: -len(d[1]))
-    ]
+        if (
+            first.methods
+            and ranking.methods
+            and known[key].better
+            and not _shares_lead(ranking, first.methods[0])
+        ):
+            dissent.setdefault(ranking.methods[0], []).append(re.split(r"[,:]", known[key].title)[0])
+    told = [f"{m} ({_titles(titles)})" for m, titles in sorted(dissent.items(), key=lambda d: -len(d[1]))]
     if told:
-        yield f"Not every measure agrees: {'; '.join(told)}."
+        yield f"Other measures put another method first: {listing(told)}."
 
 
-def _short_title(title: str) -> str:
-    """A column's title up to its first comma or colon, inside a sentence."""
-    short = re.split(r"[,:]", title)[0]
-    return short[0].lower() + short[1:]
+def _shares_lead(ranking: Ranking, method: str) -> bool:
+    """The method is first in a ranking, alone or with others."""
+    rank = dict(zip(ranking.methods, ranking.mean_ranks, strict=True)).get(method)
+    return rank == ranking.mean_ranks[0]
 
 
 def _titles(titles: Sequence[str]) -> str:
     titles = list(dict.fromkeys(titles))
-    return listing(titles) if len(titles) <= _LONGEST_LIST else count(len(titles), "other measure")
+    return "; ".join(titles) if len(titles) <= _LONGEST_LIST else count(len(titles), "measure")
 
 
 def _ranks(good: Sequence[Cell]) -> Iterator[str]:

@@ -1,36 +1,28 @@
-"""The tables that a run prints: one per model, damage and reduction, at most 100 columns wide."""
+"""The tables that a run prints: one per model and reduction, at most 100 columns wide."""
 
 from __future__ import annotations
 
 import math
 import textwrap
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from statistics import median
 
 from lpcompare.harness.record import Record, Run
+from lpcompare.harness.within import BASELINE
+from lpcompare.report.alignment import WIDTH, align, notes
+from lpcompare.report.damage_table import format_damage
 
-WIDTH = 100
-BASELINE = "poisson_disk"
 _HEAD = ("method", "asked", "got", "points", "mesh", "eq. 27 %", "vs Poisson", "runtime", "status")
 
 
 def format_run(run: Run) -> str:
     """Every table of a run, with a line on how to read them."""
-    groups: dict[tuple[str, str, float, float], list[Record]] = {}
+    groups: dict[tuple[str, float], list[Record]] = {}
     for record in run.records:
-        key = (record.model, record.perturbation, record.perturbation_level, record.reduction)
-        groups.setdefault(key, []).append(record)
-    return "\n\n".join([*(_table(group) for group in groups.values()), _legend(run)])
-
-
-def align(rows: Sequence[Sequence[str]], left: frozenset[int] = frozenset({0})) -> list[str]:
-    """Rows as lines of aligned columns; the columns in ``left`` flush left, the others right."""
-    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
-    cells = (
-        [c.ljust(w) if i in left else c.rjust(w) for i, (c, w) in enumerate(zip(row, widths, strict=True))]
-        for row in rows
-    )
-    return ["  ".join(row).rstrip() for row in cells]
+        if record.perturbation == "none":
+            groups.setdefault((record.model, record.reduction), []).append(record)
+    tables = [_table(group) for group in groups.values()]
+    return "\n\n".join([*tables, *format_damage(run.records), _legend(run)])
 
 
 def seconds(value: float | None) -> str:
@@ -47,13 +39,13 @@ def _table(records: list[Record]) -> str:
     base = _error(variants.get(BASELINE, []))
     body = [_row(name, group, base) for name, group in variants.items()]
     lines = align([_HEAD, *sorted(body, key=lambda row: _sort_key(row[5]))], frozenset({0, 3, 4, 8}))
-    return "\n".join([_title(records[0]), lines[0], "-" * max(map(len, lines)), *lines[1:], *_notes(records)])
+    return "\n".join([_title(records), lines[0], "-" * max(map(len, lines)), *lines[1:], *notes(records)])
 
 
-def _title(record: Record) -> str:
-    damage = "" if record.perturbation == "none" else f", {record.perturbation} {record.perturbation_level:g}"
-    share = f"{100 * record.reduction:g} % removed"
-    return f"{record.model}{damage}: {share}, {record.target_count:,} of {record.n_input:,} points asked"
+def _title(records: list[Record]) -> str:
+    first, asked = records[0], {record.target_count for record in records}
+    count = f"{asked.pop():,}" if len(asked) == 1 else "as many as the paper's method kept"
+    return f"{first.model}: {100 * first.reduction:g} % removed, {count} of {first.n_input:,} points asked"
 
 
 def _row(name: str, group: list[Record], base: float) -> tuple[str, ...]:
@@ -94,15 +86,6 @@ def _status(group: list[Record]) -> str:
     return " ".join(
         s if len(set(statuses)) == 1 else f"{statuses.count(s)} {s}" for s in dict.fromkeys(statuses)
     )
-
-
-def _notes(records: list[Record]) -> list[str]:
-    notes = dict.fromkeys(f"{r.variant}: {r.message.strip()}" for r in records if r.message)
-    return [
-        line
-        for note in notes
-        for line in textwrap.wrap(note, WIDTH - 2, initial_indent="  ", subsequent_indent="    ")
-    ]
 
 
 def _legend(run: Run) -> str:

@@ -184,6 +184,8 @@ def _own_points(own: Points, display: _Display) -> dict[str, Any]:
 def _marks(arrays: Mapping[str, NDArray[Any]], shown: NDArray[np.intp]) -> dict[str, Any]:
     """Cluster, curvature and feature points, where the method said them for each original."""
     found: dict[str, Any] = {}
+    n_points = len(arrays["plane_errors"])
+    arrays = {name: array for name, array in arrays.items() if array.shape == (n_points,)}
     if "labels" in arrays:
         found["labels"] = pack(arrays["labels"][shown].astype("<u2"))
     if "curvature" in arrays:

@@ -141,7 +141,7 @@ def test_a_cold_solver_without_a_solution_is_one_sentence():
 
 def test_certificate_names_a_bound_above_the_objective_never():
     costs, _ = costs_of(10, 0)
-    certificate = certify(costs, np.arange(10) < 4, DensityGoal(1.0, 2.5), "optimal", 99.0)
+    certificate = certify(costs, np.arange(10) < 4, DensityGoal(1.0, 2.5), "optimal", {"solver": 99.0})
     assert certificate.bound <= certificate.objective
 
 
@@ -196,7 +196,10 @@ def test_budget_sums_to_the_target_and_fits_every_cluster(sizes, share):
 
 
 @given(
-    budget=st.integers(0, 100), extra=st.integers(0, 100), share=st.floats(0, 1), n_features=st.integers(0, 200)
+    budget=st.integers(0, 100),
+    extra=st.integers(0, 100),
+    share=st.floats(0, 1),
+    n_features=st.integers(0, 200),
 )
 def test_features_take_at_most_their_share(budget, extra, share, n_features):
     n_features = min(n_features, budget + extra)

@@ -100,9 +100,7 @@ def test_exactly_the_target_stays_and_it_is_a_subset(n_points, seed, reduction, 
 def test_powers_of_two_change_nothing(seed, power, method):
     points = bumpy(500, seed)
     still = lpcompare.simplify(points, target_reduction=0.8, n_clusters=5, method=method)
-    scaled = lpcompare.simplify(
-        points * 2.0**power, target_reduction=0.8, n_clusters=5, method=method
-    )
+    scaled = lpcompare.simplify(points * 2.0**power, target_reduction=0.8, n_clusters=5, method=method)
     assert np.array_equal(still.indices, scaled.indices)
 
 

@@ -5,4 +5,4 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "plugins"))
 
-from made_runs import new_run, plain_run  # noqa: E402, F401
+from made_runs import new_run, plain_run  # noqa: F401

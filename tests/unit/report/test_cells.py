@@ -10,7 +10,9 @@ from lpcompare.report.cells import Cell, Interval, gather_cells, pareto_front
 
 
 def record(repeat=0, status="ok", **known):
-    defaults = {"runtime_s": 1.0, "metrics": {"plane_error_pct": 2.0}} if status == "ok" else {"message": "why"}
+    defaults = (
+        {"runtime_s": 1.0, "metrics": {"plane_error_pct": 2.0}} if status == "ok" else {"message": "why"}
+    )
     return Record("m", "f", 0.9, 100, 10, 0, repeat, status, **{**defaults, **known})
 
 
@@ -34,7 +36,11 @@ def test_a_metric_that_is_not_defined_is_absent():
 
 def test_settings_and_damage_to_the_input_are_cells_of_their_own():
     rows = [record(), record(variant="f k=2"), record(perturbation="noise", perturbation_level=0.5)]
-    assert [(c.model, c.method) for c in gather_cells(rows)] == [("m", "f"), ("m", "f k=2"), ("m + noise 0.5", "f")]
+    assert [(c.model, c.method) for c in gather_cells(rows)] == [
+        ("m", "f"),
+        ("m", "f k=2"),
+        ("m + noise 0.5", "f"),
+    ]
 
 
 def cell(cost, error):

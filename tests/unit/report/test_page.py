@@ -10,6 +10,8 @@ import pytest
 from made_runs import METHODS, dented_sphere
 
 from lpcompare.errors import InputError, UnknownName
+from lpcompare.harness.plan import Plan, Variant
+from lpcompare.harness.runner import run_plan
 from lpcompare.report.page import write_page, write_view
 from lpcompare.types import PointCloud
 
@@ -20,7 +22,9 @@ def text_of(path):
 
 
 def data_of(path, which):
-    found = re.search(rf'(?s)<script type="application/json" id="{which}">(.*?)</script>', path.read_text("utf-8"))
+    found = re.search(
+        rf'(?s)<script type="application/json" id="{which}">(.*?)</script>', path.read_text("utf-8")
+    )
     return json.loads(found[1])
 
 
@@ -35,20 +39,25 @@ def test_page_names_every_method_status_and_reason_and_the_command(plain_run, tm
 def test_page_asks_for_nothing_from_a_network(plain_run, tmp_path):
     page = write_page(plain_run, tmp_path / "page.html").read_text(encoding="utf-8")
     assert "default-src 'none'" in page
-    assert not re.findall(r"""<(?:script|img|iframe|link)[^>]+(?:src|href)\s*=""", re.sub(r"(?s)<script.*?</script>", "", page))
+    assert not re.findall(
+        r"""<(?:script|img|iframe|link)[^>]+(?:src|href)\s*=""", re.sub(r"(?s)<script.*?</script>", "", page)
+    )
 
 
 def test_names_that_look_like_markup_show_as_text(new_run, tmp_path):
     evil = "<script>alert(1)</script>"
     new_run.model(evil, dented_sphere(300))
     new_run.case(evil, "random_sample", 0.9, label="<img src=x onerror=alert(2)>")
-    new_run.case(evil, "first_rows", 0.9, label='"&\'</script><b>')
+    new_run.case(evil, "first_rows", 0.9, label="\"&'</script><b>")
     new_run.trouble(evil, "sad", 0.9, "failed", "</td><script>alert(3)</script>")
     path = write_page(new_run.write(), tmp_path / "page.html")
     page = path.read_text(encoding="utf-8")
     assert evil not in page
     assert "<img" not in text_of(path)
-    assert "<b>" not in text_of(path).replace("<b>mesh</b>", "").replace("<b>moved</b>", "").split("agreement")[0]
+    assert (
+        "<b>"
+        not in text_of(path).replace("<b>mesh</b>", "").replace("<b>moved</b>", "").split("agreement")[0]
+    )
     assert "&lt;script&gt;alert(1)" in page
     assert data_of(path, "view-data")[0]["name"] == evil
 
@@ -65,19 +74,32 @@ def test_view_data_gives_the_errors_and_the_points_back(plain_run, tmp_path):
     packed = result["errors"]
     steps = np.frombuffer(base64.b64decode(packed["steps"]), "<u2")
     assert np.allclose(steps / 65535 * packed["span"] + packed["low"], errors, atol=packed["span"] / 65535)
-    kept = np.unpackbits(np.frombuffer(base64.b64decode(result["kept"]), "u1"), bitorder="little")[: len(points)]
+    kept = np.unpackbits(np.frombuffer(base64.b64decode(result["kept"]), "u1"), bitorder="little")[
+        : len(points)
+    ]
     assert np.array_equal(np.flatnonzero(kept), rows)
 
 
 def test_marks_of_a_method_are_offered_where_it_said_them(new_run, tmp_path):
     points = dented_sphere(300)
     new_run.model("m", points)
-    marks = {"labels": np.arange(300) % 7, "curvature": np.linspace(0, 1, 300), "feature_mask": np.arange(300) < 9}
+    marks = {
+        "labels": np.arange(300) % 7,
+        "curvature": np.linspace(0, 1, 300),
+        "feature_mask": np.arange(300) < 9,
+    }
     new_run.case("m", "random_sample", 0.9, marks=marks)
     new_run.case("m", "first_rows", 0.9)
     with_marks, without = data_of(write_page(new_run.write(), tmp_path / "p.html"), "view-data")[0]["results"]
     assert {"labels", "curvature", "features"} <= with_marks.keys()
     assert not {"labels", "curvature", "features"} & without.keys()
+
+
+def test_a_real_run_of_our_method_offers_its_clusters_curvature_and_features(tmp_path):
+    plan = Plan(models=("m",), variants=(Variant("lp_density"),), reductions=(0.8,), threads=1)
+    run_plan(plan, {"m": PointCloud(dented_sphere(300), name="m")}, tmp_path / "run")
+    (result,) = data_of(write_page(tmp_path / "run"), "view-data")[0]["results"]
+    assert {"labels", "curvature", "features", "kept"} <= result.keys()
 
 
 def test_a_large_cloud_is_thinned_for_display_and_its_numbers_are_not(new_run, tmp_path, monkeypatch):
@@ -112,7 +134,9 @@ def test_empty_single_and_ten_model_runs_each_give_a_page(new_run, tmp_path):
     assert "Friedman" in text
 
 
-@pytest.mark.parametrize("content", ["", '{"schema_version": 1, "plan"', "[1, 2]", '{"nodes": []}', '{"schema_version": 99}'])
+@pytest.mark.parametrize(
+    "content", ["", '{"schema_version": 1, "plan"', "[1, 2]", '{"nodes": []}', '{"schema_version": 99}']
+)
 def test_a_truncated_or_foreign_file_is_refused_in_a_sentence(tmp_path, content):
     (tmp_path / "run.json").write_text(content)
     with pytest.raises(InputError, match="run"):
@@ -141,7 +165,9 @@ def test_same_run_same_page(plain_run, tmp_path):
     assert first == second
 
 
-@pytest.mark.parametrize("points", [np.zeros((1, 3)), np.ones((5, 3)), np.c_[np.arange(9.0), np.zeros((9, 2))]])
+@pytest.mark.parametrize(
+    "points", [np.zeros((1, 3)), np.ones((5, 3)), np.c_[np.arange(9.0), np.zeros((9, 2))]]
+)
 def test_one_cloud_has_a_page_even_without_extent(tmp_path, points):
     path = write_view(PointCloud(points, name="<b>tiny"), tmp_path / "v.html")
     assert data_of(path, "view-data")[0]["total"] == len(points)
@@ -150,7 +176,9 @@ def test_one_cloud_has_a_page_even_without_extent(tmp_path, points):
 
 def test_a_clouds_own_colours_and_scalars_are_offered(tmp_path):
     points = dented_sphere(50)
-    cloud = PointCloud(points, colors=np.tile([1, 0, 0, 1.0], (50, 1)), attributes={"height": points[:, 2], "names": points})
+    cloud = PointCloud(
+        points, colors=np.tile([1, 0, 0, 1.0], (50, 1)), attributes={"height": points[:, 2], "names": points}
+    )
     (view,) = data_of(write_view(cloud, tmp_path / "v.html"), "view-data")
     assert list(view["attributes"]) == ["height"]
     assert base64.b64decode(view["colors"])[:3] == b"\xff\x00\x00"

@@ -35,7 +35,9 @@ def test_ranks_and_critical_difference_of_the_textbook_example():
     table = {f"set {i}": dict(zip(names, row, strict=True)) for i, row in enumerate(DEMSAR)}
     ranking = rank_over_models(cells(table), Heading("e", "AUC", better="higher"))
     ranks = dict(zip(ranking.methods, ranking.mean_ranks, strict=True))
-    assert ranks == pytest.approx({"C4.5": 3.143, "C4.5+m": 2.000, "C4.5+cf": 2.893, "C4.5+m+cf": 1.964}, abs=1e-3)
+    assert ranks == pytest.approx(
+        {"C4.5": 3.143, "C4.5+m": 2.000, "C4.5+cf": 2.893, "C4.5+m+cf": 1.964}, abs=1e-3
+    )
     assert ranking.critical_difference == pytest.approx(2.569 * math.sqrt(4 * 5 / (6 * 14)), rel=1e-3)
     assert ranking.decided
 

@@ -19,8 +19,14 @@ def told(cells):
 
 
 def test_one_winner_everywhere_with_its_lead():
-    text = told([cell("a", 1, reduction=r) for r in (0.7, 0.8, 0.9)] + [cell("b", 2, reduction=r) for r in (0.7, 0.8, 0.9)])
-    assert "a has the lowest error (eq. 27) at all three reductions; b has 2.00 times as much." in text
+    text = told(
+        [cell("a", 1, reduction=r) for r in (0.7, 0.8, 0.9)]
+        + [cell("b", 2, reduction=r) for r in (0.7, 0.8, 0.9)]
+    )
+    assert (
+        "a has the lowest error (eq. 27) at all three reductions, 1.00 % of the diagonal; "
+        "b has 2.00 times as much." in text
+    )
 
 
 def test_winners_that_change_are_named_with_their_reductions():
@@ -40,7 +46,23 @@ def test_the_fastest_and_what_the_best_takes():
 
 def test_a_winner_that_was_given_the_mesh_is_not_the_only_one_named():
     text = told([cell("qem", 1, needs_mesh=True), cell("a", 2), cell("b", 3)])
-    assert "Of the methods that were given points and no mesh, a has the lowest error everywhere." in text
+    assert (
+        "Of the methods that were given points and no mesh, a has the lowest error at 90 %; "
+        "b has 1.50 times as much." in text
+    )
+
+
+def test_a_winner_that_moves_its_points_is_not_the_only_one_named():
+    text = told([cell("moved", 1, subset=False), cell("a", 2, subset=True), cell("b", 3, subset=True)])
+    assert (
+        "Of the methods whose result is a subset of the original points, a has the lowest error at 90 %"
+        in text
+    )
+
+
+def test_a_measure_that_ties_its_leader_with_others_does_not_disagree():
+    tie = {"hausdorff_pct": Interval.of([0.0])}
+    assert "Other measures" not in told([cell("b", 2, extra=tie), cell("a", 1, extra=tie)])
 
 
 def test_another_measure_with_another_winner_is_named():
@@ -49,7 +71,7 @@ def test_another_measure_with_another_winner_is_named():
         cell("a", 1, extra={other: Interval.of([9.0])}),
         cell("b", 2, extra={other: Interval.of([3.0])}),
     ])  # fmt: skip
-    assert "Not every measure agrees: b is best by hausdorff distance." in text
+    assert "Other measures put another method first: b (Hausdorff distance)." in text
 
 
 def test_counts_that_were_missed_are_named():
@@ -70,7 +92,9 @@ def test_nothing_and_nothing_but_failures():
 
 
 def test_ten_models_with_one_constant_winner_are_significant():
-    cells = [cell(m, e, model=f"m{i}") for i in range(10) for m, e in (("a", 1 + i), ("b", 2 + i), ("c", 3 + i))]
+    cells = [
+        cell(m, e, model=f"m{i}") for i in range(10) for m, e in (("a", 1 + i), ("b", 2 + i), ("c", 3 + i))
+    ]
     text = told(cells)
-    assert "a has the lowest error (eq. 27) in all ten pairs of model and reduction" in text
+    assert "a has the lowest error (eq. 27) in all 10 pairs of model and reduction" in text
     assert "Over ten models, a has the best mean rank and is significantly better than c (5 %)." in text

@@ -64,10 +64,10 @@ function frontCurves(measure) {
   });
 }
 
-// 1, 2 and 5 of every decade, or the powers of ten alone where that would be too many.
+// Few ticks on a long axis, more on a short one.
 function logTicks(values) {
   const [low, high] = [Math.log10(Math.min(...values)), Math.log10(Math.max(...values))];
-  const digits = high - low > 2 ? [1] : [1, 2, 5];
+  const digits = high - low > 2 ? [1] : high - low > 0.8 ? [1, 2, 5] : [1, 1.5, 2, 3, 4, 5, 6, 8];
   const ticks = [];
   for (let decade = Math.floor(low) - 1; decade <= high + 1; decade++) ticks.push(...digits.map((d) => Number(`${d}e${decade}`)));
   return ticks;
@@ -148,7 +148,7 @@ function drawStages() {
     hovertemplate: "<b>%{y}</b>, %{fullData.name}<br>%{x:.3~g} s<extra></extra>",
   }));
   return draw("chart-stages", traces, {
-    barmode: "stack", showlegend: true, legend: { orientation: "h", y: -0.18 },
+    barmode: "stack", showlegend: true, legend: { orientation: "h", y: -0.18, traceorder: "normal" },
     xaxis: { ...axis("Seconds", []), rangemode: "tozero" }, yaxis: { automargin: true, autorange: "reversed" },
   });
 }

@@ -4,6 +4,7 @@
 const MOST_VIEWS = 6; // browsers give a page only so many WebGL contexts
 const CLUSTER_COLOURS = ["#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00", "#f0e442", "#882255", "#44aa99", "#999933"];
 const MARK_COLOURS = { removed: "#b5bac1", kept: "#0072b2", feature: "#d55e00" };
+const GREY_NOTE = "Grey: the method says nothing of it.";
 const CAMERAS = {
   y: { up: { x: 0, y: 1, z: 0 }, eye: { x: 0.35, y: 0.35, z: 1.6 }, center: { x: 0, y: 0, z: 0 } },
   z: { up: { x: 0, y: 0, z: 1 }, eye: { x: 0.9, y: -1.2, z: 0.9 }, center: { x: 0, y: 0, z: 0 } },
@@ -103,11 +104,11 @@ function traces(result) {
   if (rows) {
     const places = own ?? all.map((axis) => pick(axis, rows));
     const values = own && view.colour === "marks" ? new Float32Array(rows.length).fill(1.5) : pick(colours.values, rows);
-    return [pointTrace(places, { ...colours, values }, view.size + 1)];
+    return [pointTrace(places, { ...colours, values }, view.size + 0.5)];
   }
   const base = pointTrace(all, colours, view.size);
   if (!own || view.colour !== "marks") return [base];
-  return [base, pointTrace(own, { ...colours, values: new Float32Array(own[0].length).fill(1.5) }, view.size + 1)];
+  return [base, pointTrace(own, { ...colours, values: new Float32Array(own[0].length).fill(1.5) }, view.size + 0.5)];
 }
 
 // --- scenes -------------------------------------------------------------------------------------------
@@ -225,12 +226,20 @@ function defaultMethods() {
   return [...new Set([ordered[0], ordered.at(-1)].filter(Boolean).map((result) => result.method))];
 }
 
+// Large enough that neighbouring points touch on a surface that fills the view.
+function pointSize() {
+  const size = 2 * Math.sqrt(30000 / view.model.shown);
+  return Math.min(8, Math.max(1, Math.round(2 * size) / 2));
+}
+
 function chooseModel(index) {
   view.model = models[index];
   view.camera = null;
   const reductions = [...new Set((view.model.results ?? []).map((result) => result.reduction))].sort();
   if (!reductions.includes(view.reduction)) view.reduction = reductions.at(-1) ?? null;
   fillSelect("view-reduction", reductions.map((r) => [String(r), `${+(100 * r).toPrecision(6)} %`]), String(view.reduction));
+  view.size = pointSize();
+  document.getElementById("view-size").value = view.size;
   const options = colourOptions();
   if (!options.some(([key]) => key === view.colour)) view.colour = options[0][0];
   fillSelect("view-colour", options, view.colour);
@@ -272,11 +281,12 @@ function drawLegend() {
   legend.replaceChildren();
   if (view.colour === "errors" && cmax) {
     const bar = Object.assign(document.createElement("span"), { className: "bar" });
-    legend.append("0", bar, `${+cmax.toPrecision(2)} % of the diagonal and above: distance of each original point to the plane through its nearest kept points, one scale for all views`);
+    const where = view.keptOnly ? " Only the points kept are shown: what was lost lies between them." : "";
+    legend.append("0", bar, `${+cmax.toPrecision(2)} % of the diagonal and above: distance of each original point to the plane through its nearest kept points, one scale for all views.${where}`);
   } else if (view.colour === "marks") {
     for (const [name, colour] of Object.entries(MARK_COLOURS)) if (name !== "feature" || has("features")) legend.append(legendKey(name, colour));
-  } else if (view.colour === "curvature") legend.append("Absolute curvature: dark is flat, bright is curved; the scale ends at the 95th percentile");
-  else if (view.colour === "labels") legend.append("Neighbouring clusters differ in colour where ten colours allow it");
+  } else if (view.colour === "curvature") legend.append(`Absolute curvature: dark is flat, bright is curved; the scale ends at the 95th percentile. ${GREY_NOTE}`);
+  else if (view.colour === "labels") legend.append(`The clusters of each method, ten colours in turn. ${GREY_NOTE}`);
 }
 
 function legendKey(name, colour) {
@@ -288,8 +298,11 @@ function legendKey(name, colour) {
 }
 
 // Draw what is chosen; panels that are still wanted stay, so that their WebGL context is used again.
+// A newer choice ends an older drawing.
+let turn = 0;
 async function drawViews() {
   if (!view.model) return;
+  const mine = ++turn;
   drawChips();
   drawLegend();
   const wanted = [null, ...view.methods.map((method) => results().find((result) => result.method === method)).filter(Boolean)];
@@ -303,6 +316,7 @@ async function drawViews() {
     const scene = scenes().find((other) => other.result === result) ?? makePanel(result);
     await drawScene(scene);
     await new Promise(requestAnimationFrame);
+    if (mine !== turn) return;
   }
   document.getElementById("view-grid").dataset.drawn = wanted.length;
 }
@@ -325,8 +339,6 @@ function startViews() {
   if (!models.length) return;
   fillSelect("view-model", models.map((model, i) => [String(i), model.name]), "0");
   chooseModel(0);
-  view.size = view.model.shown > 60000 ? 1.5 : 2;
-  document.getElementById("view-size").value = view.size;
   for (const item of document.querySelectorAll(".of-results")) item.hidden = !view.model.results;
   onChoice("view-model", (value) => {
     for (const scene of scenes()) { Plotly.purge(scene); scene.parentNode.remove(); }

@@ -1,0 +1,73 @@
+"""small_gicp's voxel grid: of each occupied cube, the mean of its points.
+
+The cube's edge is searched outside the clock; one thread, because the library's count depends on them.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import small_gicp
+
+from lpcompare.geometry.scale import bounding_box_center, bounding_box_diagonal
+from lpcompare.types import Points, Simplification, Traits
+from lpcompare_baselines._calibration import search_size, surface_spacing
+from lpcompare_baselines._guards import check, check_distinct
+
+TRAITS = Traits(
+    wraps="small_gicp.voxelgrid_sampling",
+    source="Koide, small_gicp: Efficient and parallel algorithms for point cloud registration, JOSS 9, 2024",
+    licence="MIT",
+    moves_points=True,
+    keeps_attributes=False,
+    exact_count=False,
+    requires=("small_gicp",),
+    extra="gicp",
+)
+
+_FINEST = 1e-6
+"""Share of the diagonal: the library drops points whose cube's number needs more than 21 bits."""
+
+
+def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) -> dict[str, float]:
+    """Edge of a cube, in model units, that gives about ``target_count`` points; raises as the method does."""
+    check(points, target_count)
+    check_distinct(points, target_count)
+    smallest = _FINEST * (bounding_box_diagonal(points) or 1.0)
+    start = surface_spacing(points, target_count)
+    return {
+        "cell_size": search_size(
+            lambda size: len(_means(points, size)), target_count, start, smallest=smallest
+        )
+    }
+
+
+def gicp_voxel(
+    points: Points, target_count: int, *, rng: np.random.Generator, cell_size: float | None = None
+) -> Simplification:
+    """Replace the points of each occupied cube by their mean.
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, 3)
+    target_count : int
+        From 1 to the number of distinct points.
+    rng : numpy.random.Generator
+        Not used: the method is deterministic.
+    cell_size : float, optional
+        Edge of a cube in model units; by default the one that `calibrate` finds.
+
+    Returns
+    -------
+    Simplification
+        New points, as many as cubes are occupied.
+    """
+    check(points, target_count)
+    if cell_size is None:
+        cell_size = calibrate(points, target_count, rng=rng)["cell_size"]
+    return Simplification(_means(points, cell_size) + bounding_box_center(points))
+
+
+def _means(points: Points, cell_size: float) -> Points:
+    """Means of the cubes, about the centre of the bounding box."""
+    centred = points - bounding_box_center(points)
+    return np.array(small_gicp.voxelgrid_sampling(centred, cell_size, num_threads=1).points())[:, :3]

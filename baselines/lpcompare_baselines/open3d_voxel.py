@@ -1,0 +1,68 @@
+"""Open3D's voxel grid: of each occupied cube, the mean of its points.
+
+The cube's edge is searched outside the clock.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from lpcompare.geometry.scale import bounding_box_center, bounding_box_diagonal
+from lpcompare.types import Points, Simplification, Traits
+from lpcompare_baselines._calibration import search_size, surface_spacing
+from lpcompare_baselines._guards import check, check_distinct
+from lpcompare_baselines._open3d import point_cloud, points_of
+
+TRAITS = Traits(
+    wraps="open3d PointCloud.voxel_down_sample",
+    source="Zhou, Park and Koltun, Open3D: A modern library for 3D data processing, 2018",
+    licence="MIT",
+    moves_points=True,
+    keeps_attributes=False,
+    exact_count=False,
+    requires=("open3d",),
+    extra="open3d",
+)
+
+_FINEST = 1e-6
+"""Share of the diagonal: Open3D refuses cubes whose numbers leave 32 bits."""
+
+
+def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) -> dict[str, float]:
+    """Edge of a cube, in model units, that gives about ``target_count`` points; raises as the method does."""
+    check(points, target_count)
+    check_distinct(points, target_count)
+    cloud, smallest = point_cloud(points), _FINEST * (bounding_box_diagonal(points) or 1.0)
+
+    def count(size: float) -> int:
+        return len(cloud.voxel_down_sample(size).points)
+
+    start = surface_spacing(points, target_count)
+    return {"cell_size": search_size(count, target_count, start, smallest=smallest)}
+
+
+def open3d_voxel(
+    points: Points, target_count: int, *, rng: np.random.Generator, cell_size: float | None = None
+) -> Simplification:
+    """Replace the points of each occupied cube by their mean.
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, 3)
+    target_count : int
+        From 1 to the number of distinct points.
+    rng : numpy.random.Generator
+        Not used: the method is deterministic.
+    cell_size : float, optional
+        Edge of a cube in model units; by default the one that `calibrate` finds.
+
+    Returns
+    -------
+    Simplification
+        New points, as many as cubes are occupied.
+    """
+    check(points, target_count)
+    if cell_size is None:
+        cell_size = calibrate(points, target_count, rng=rng)["cell_size"]
+    kept = points_of(point_cloud(points).voxel_down_sample(cell_size))
+    return Simplification(kept + bounding_box_center(points))

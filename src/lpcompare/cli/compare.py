@@ -1,0 +1,22 @@
+"""``lpcompare compare``: differences between runs, with intervals, or between the methods of one."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def command(
+    runs: Annotated[
+        list[Path], typer.Argument(help="Folders of runs; the first is what others are held to.")
+    ],
+) -> None:
+    """Compare runs of the same inputs; of one run, its methods."""
+    from lpcompare.harness.record import load_run
+    from lpcompare.report.comparison_table import format_comparison, format_methods
+
+    first, *others = [load_run(path) for path in runs]
+    texts = [format_comparison(first, other) for other in others] or [format_methods(first)]
+    typer.echo("\n\n".join(texts))

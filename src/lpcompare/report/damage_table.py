@@ -1,0 +1,91 @@
+"""Errors against the amount of damage to the input: one table per model, reduction and kind of damage."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from collections.abc import Iterable
+from statistics import fmean
+
+from lpcompare.harness.record import Record
+from lpcompare.report.alignment import WIDTH, align, notes
+
+Curves = dict[str, dict[float, float]]
+
+
+def format_damage(records: Iterable[Record]) -> list[str]:
+    """Every table of the damaged inputs; errors are measured against the clean cloud."""
+    records = list(records)
+    kinds = dict.fromkeys(r.perturbation for r in records if r.perturbation != "none")
+    shapes = dict.fromkeys((r.model, r.reduction) for r in records)
+    tables = [
+        _table(
+            f"{model} with {kind}: {100 * reduction:g} % removed, eq. 27 error in % of the diagonal", curves
+        )
+        for model, reduction in shapes
+        for kind in kinds
+        if (curves := damage_curves(records, model, reduction, kind))
+    ]
+    return [
+        *tables,
+        *["\n".join(lines) for lines in [notes(r for r in records if r.perturbation != "none")] if lines],
+    ]
+
+
+def damage_curves(records: Iterable[Record], model: str, reduction: float, kind: str) -> Curves:
+    """Variant -> level -> mean error over seeds and repeats; level 0 is clean, NaN has no result."""
+    values: dict[str, dict[float, list[float]]] = {}
+    for r in records:
+        if (r.model, r.reduction) == (model, reduction) and r.perturbation in ("none", kind):
+            error = r.metrics.get("plane_error_pct", math.nan) if r.status == "ok" else math.nan
+            values.setdefault(r.variant, {}).setdefault(r.perturbation_level, []).append(error)
+    return {
+        variant: {level: fmean(errors) for level, errors in sorted(levels.items())}
+        for variant, levels in values.items()
+    }
+
+
+def _table(title: str, curves: Curves) -> str:
+    levels = sorted({level for curve in curves.values() for level in curve})
+    head = ("method", *(f"{level:g}" if level else "clean" for level in levels), "growth")
+    ordered = sorted(curves.items(), key=lambda item: _rank(item[1].get(levels[-1], math.nan)))
+    rows = [
+        (name[:30], *(_cell(curve.get(level, math.nan)) for level in levels), _growth_cell(curve, levels[-1]))
+        for name, curve in ordered
+    ]
+    lines = align([head, *rows])
+    return "\n".join(
+        [title, lines[0], "-" * max(map(len, lines)), *lines[1:], *_sentence(curves, levels[-1])]
+    )
+
+
+def growth(curve: dict[float, float], level: float) -> float:
+    """Error at a level over the error on the clean input; NaN where one is missing."""
+    clean = curve.get(0.0, math.nan)
+    return curve.get(level, math.nan) / clean if clean > 0 else math.nan
+
+
+def _sentence(curves: Curves, level: float) -> list[str]:
+    """Who suffers least and most at the largest level."""
+    known = {n: g for n, c in curves.items() if math.isfinite(g := growth(c, level))}
+    if len(known) < 2:
+        return []
+    least, most = min(known, key=known.__getitem__), max(known, key=known.__getitem__)
+    text = (
+        f"At {level:g} the error of {least} grows least ({known[least]:.2f} times the clean one), "
+        f"that of {most} most ({known[most]:.2f} times)."
+    )
+    return textwrap.wrap(text, WIDTH)
+
+
+def _cell(error: float) -> str:
+    return f"{error:.4f}" if math.isfinite(error) else "-"
+
+
+def _growth_cell(curve: dict[float, float], level: float) -> str:
+    value = growth(curve, level)
+    return f"{value:.2f}x" if math.isfinite(value) else "-"
+
+
+def _rank(error: float) -> float:
+    return error if math.isfinite(error) else math.inf

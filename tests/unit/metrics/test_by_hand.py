@@ -1,0 +1,152 @@
+"""Metrics on clouds whose answer is known."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from lpcompare.comparison import Comparison
+from lpcompare.registry import METRICS
+
+LINE = np.array([[0.0, 0, 0], [1, 0, 0], [2, 0, 0], [3, 0, 0], [10, 0, 0]])
+KEPT = LINE[[0, 4]]
+"""Distances of the five to the two kept: 0, 1, 2, 3, 0; the diagonal is 10."""
+
+
+def value(name, original, simplified):
+    return METRICS.get(name)(Comparison(np.asarray(original, float), np.asarray(simplified, float)))
+
+
+def plane(n=20, spacing=1.0):
+    x, y = np.meshgrid(np.arange(n), np.arange(n))
+    return spacing * np.column_stack([x.ravel(), y.ravel(), np.zeros(n * n)])
+
+
+def test_hausdorff_each_way():
+    found = value("hausdorff", LINE, [[0, 0, 0], [10, 4, 0]])
+    assert found["hausdorff_forward_pct"] == pytest.approx(40)
+    assert found["hausdorff_backward_pct"] == pytest.approx(40)
+    found = value("hausdorff", LINE, KEPT)
+    assert found == {
+        "hausdorff_pct": pytest.approx(30),
+        "hausdorff_forward_pct": pytest.approx(30),
+        "hausdorff_backward_pct": 0,
+    }
+    assert value("hausdorff", KEPT, LINE)["hausdorff_pct"] == pytest.approx(30)
+
+
+def test_mean_distance_each_way():
+    found = value("mean_distance", LINE, KEPT)
+    assert found["mean_distance_forward_pct"] == pytest.approx(12)
+    assert found["mean_distance_backward_pct"] == 0
+    assert found["mean_distance_pct"] == pytest.approx(12)
+    found = value("mean_distance", KEPT, LINE)
+    assert found["mean_distance_backward_pct"] == pytest.approx(12)
+    assert found["mean_distance_pct"] == pytest.approx(12)
+
+
+def test_chamfer_adds_both_ways():
+    found = value("chamfer", LINE, [[0, 0, 0], [10, 4, 0]])
+    assert found["chamfer_pct"] == pytest.approx(100 * ((0 + 1 + 2 + 3 + 4) / 5 + (0 + 4) / 2) / 10)
+    assert found["chamfer_squared"] == pytest.approx((0 + 1 + 4 + 9 + 16) / 5 + 16 / 2)
+
+
+def test_coverage():
+    assert value("coverage", LINE, KEPT) == {
+        "coverage_mean_pct": pytest.approx(12),
+        "coverage_max_pct": pytest.approx(30),
+    }
+
+
+def test_d1_takes_the_larger_way_and_the_squared_diagonal_as_peak():
+    found = value("mpeg_d1", LINE, KEPT)
+    assert found["d1_mse"] == pytest.approx(14 / 5)
+    assert found["d1_psnr_db"] == pytest.approx(10 * math.log10(100 / 2.8))
+    assert value("mpeg_d1", LINE, LINE)["d1_psnr_db"] == math.inf
+    assert math.isnan(value("mpeg_d1", np.zeros((3, 3)), np.zeros((1, 3)))["d1_psnr_db"])
+
+
+def test_d2_counts_what_lies_along_the_normal_alone():
+    flat = plane()
+    assert value("mpeg_d2", flat, flat[::3])["d2_mse"] == pytest.approx(0, abs=1e-20)
+    lifted = value("mpeg_d2", flat, flat[::3] + np.array([0, 0, 0.5]))
+    assert lifted["d2_mse"] == pytest.approx(0.25)
+    assert lifted["d2_psnr_db"] == pytest.approx(10 * math.log10(2 * 19**2 / 0.25))
+
+
+def test_normals_of_a_tilted_copy_deviate_by_the_tilt():
+    flat, angle = plane(), np.radians(25)
+    turn = np.array([[1, 0, 0], [0, np.cos(angle), -np.sin(angle)], [0, np.sin(angle), np.cos(angle)]])
+    assert value("normal_deviation", flat, flat @ turn.T)["normal_deviation_deg"] == pytest.approx(25)
+    assert value("normal_deviation", flat, flat)["normal_deviation_deg"] == pytest.approx(0, abs=1e-6)
+
+
+def test_spacing_varies_on_no_lattice_and_by_half_between_one_and_three():
+    assert value("spacing_variation", plane(), plane())["spacing_variation"] == pytest.approx(0, abs=1e-12)
+    kept = np.array([[0.0, 0, 0], [1, 0, 0], [100, 0, 0], [103, 0, 0]])
+    assert value("spacing_variation", kept, kept)["spacing_variation"] == pytest.approx(0.5)
+
+
+def test_an_equal_cloud_keeps_every_density_and_an_emptied_cluster_loses_its_own():
+    blobs = np.random.default_rng(0).normal(size=(4000, 3))
+    assert value("density_objective", blobs, blobs)["density_objective_max_pct"] == pytest.approx(0, abs=1e-9)
+    half = value("density_objective", blobs, blobs[blobs[:, 0] > 1])
+    assert half["density_objective_max_pct"] == pytest.approx(100)
+    rim = value("density_objective", blobs, blobs[::2])
+    assert rim["density_objective_pct"] < 15
+
+
+def test_the_surface_of_a_thinned_plane_is_the_plane():
+    found = value("surface_distance", plane(40), plane(20, spacing=2.0))
+    inside = value("surface_distance", plane(39), plane(20, spacing=2.0))
+    assert inside["surface_distance_max_pct"] == pytest.approx(0, abs=1e-6)
+    assert found["surface_distance_max_pct"] == pytest.approx(100 * math.sqrt(2) / (39 * math.sqrt(2)))
+
+
+def test_the_surface_of_a_sphere_lies_a_sagitta_inside():
+    rng = np.random.default_rng(0)
+    sphere = rng.normal(size=(6000, 3))
+    sphere /= np.linalg.norm(sphere, axis=1, keepdims=True)
+    found = value("surface_distance", sphere, sphere[:1500])
+    assert 0.01 < found["surface_distance_pct"] < 0.2
+    assert found["surface_distance_max_pct"] < value("hausdorff", sphere, sphere[:1500])["hausdorff_pct"]
+
+
+def test_the_surface_does_not_depend_on_the_order_of_the_points():
+    rng = np.random.default_rng(0)
+    sphere = rng.normal(size=(3000, 3))
+    sphere /= np.linalg.norm(sphere, axis=1, keepdims=True)
+    shuffled = rng.permutation(sphere[:700])
+    assert value("surface_distance", sphere, sphere[:700]) == value("surface_distance", sphere, shuffled)
+
+
+@pytest.mark.parametrize(
+    "kept", [LINE[:1], LINE[:2], KEPT, np.zeros((4, 3))], ids=["one", "two", "ends", "same"]
+)
+def test_points_without_a_triangle_stand_for_the_surface(kept):
+    found = value("surface_distance", LINE, kept)
+    assert found["surface_distance_max_pct"] == value("coverage", LINE, kept)["coverage_max_pct"]
+
+
+@given(st.integers(0, 1000), st.integers(2, 60), st.integers(1, 60))
+def test_distances_obey_their_order(seed, n, m):
+    rng = np.random.default_rng(seed)
+    original, kept = rng.normal(size=(n, 3)), rng.normal(size=(m, 3))
+    farthest, mean = value("hausdorff", original, kept), value("mean_distance", original, kept)
+    assert mean["mean_distance_pct"] <= farthest["hausdorff_pct"] + 1e-9
+    assert value("chamfer", original, kept)["chamfer_pct"] <= 2 * farthest["hausdorff_pct"] + 1e-9
+    swapped = METRICS.get("mpeg_d1")(Comparison(kept, original))["d1_mse"]
+    assert value("mpeg_d1", original, kept)["d1_mse"] == pytest.approx(swapped)
+    d2 = value("mpeg_d2", original, kept)["d2_mse"]
+    assert d2 <= value("mpeg_d1", original, kept)["d1_mse"] * (1 + 1e-9)
+
+
+@given(st.integers(0, 1000), st.integers(5, 40))
+def test_a_larger_subset_covers_no_less(seed, n):
+    rng = np.random.default_rng(seed)
+    original = rng.normal(size=(n, 3))
+    few, more = original[: n // 3 + 1], original[: n // 2 + 1]
+    for column in ("coverage_mean_pct", "coverage_max_pct"):
+        assert value("coverage", original, more)[column] <= value("coverage", original, few)[column] + 1e-12
