@@ -151,8 +151,8 @@ class UniformReducer:
             "labels": self._density.labels,
             "certificates": tuple(c.in_units(1 / self._scale) for c in certificates),
             "n_clusters": len(certificates),
-            "n_certified": sum(c.proven for c in certificates),
-            "largest_residual": max(c.residual for c in certificates),
+            "n_certified": sum(bool(c.proven) for c in certificates),
+            "largest_residual": float(max(c.residual for c in certificates)),
         }
         if self._count:
             info["cluster_count"] = self._count

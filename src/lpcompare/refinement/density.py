@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from lpcompare.types import Indices, Vector
+from lpcompare.types import Indices, Mask, Vector
 
 
 class DensityBand:
@@ -32,6 +32,13 @@ class DensityBand:
         labels, costs = self._labels[kept], self._costs[kept]
         self._counts = np.bincount(labels, minlength=n_clusters).tolist()
         self._sums = np.bincount(labels, weights=costs, minlength=n_clusters).tolist()
+
+    def wants(self, points: Indices, change: int) -> Mask:
+        """Which of ``points``, taken in (1) or out (-1), bring a cluster back that is out of its band."""
+        counts, sums = np.array(self._counts), np.array(self._sums)
+        deviations = np.where(counts > 0, sums / np.maximum(counts, 1) - 1.0, 0.0)[self._labels[points]]
+        pull = change * (self._costs[points] - 1.0) * deviations
+        return (np.abs(deviations) > self._tolerance) & (pull < 0)
 
     def allows(self, point: int, change: int) -> bool:
         """Whether the cluster of ``point`` bears one point more (``change`` = 1) or less (-1)."""

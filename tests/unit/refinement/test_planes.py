@@ -28,13 +28,13 @@ def test_agrees_with_the_eigenvalue_routine(seed, flatness):
 
 def test_plane_at_a_known_height():
     grid = np.stack(np.meshgrid(np.arange(10.0), np.arange(10.0), [0.0]), axis=-1).reshape(-1, 3)
-    above = grid[44:46] + [0.1, 0.1, 0.25]
+    above = np.add(grid[44:46], [0.1, 0.1, 0.25])
     nearest = Neighbors(grid).query(above, 12)[1]
     assert mean_plane_distances(above, grid, nearest, (6, 8, 12)) == pytest.approx([0.25, 0.25])
 
 
 @pytest.mark.parametrize("points", [np.ones((20, 3)), np.arange(20.0)[:, None] * [1.0, 2.0, 3.0]])
 def test_undecided_planes_are_left_to_the_eigenvalue_routine(points):
-    queries = points[:3] + [0.0, 0.0, 0.5]
+    queries = np.add(points[:3], [0.0, 0.0, 0.5])
     closed, expected = both(queries, points, (6, 8))
     assert closed == pytest.approx(expected)

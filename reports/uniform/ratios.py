@@ -1,0 +1,88 @@
+"""The table of reports/uniform/README.md: every method's metrics over Poisson disk sampling's, from records.csv.
+
+Run it from the root of the repository: ``python reports/uniform/ratios.py``.
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+import sys
+from collections import defaultdict
+from pathlib import Path
+
+REFERENCE = "poisson_disk"
+COLUMNS = {
+    "plane_error_pct": "eq. 27, k = 8",
+    "plane_error_k6_pct": "k = 6",
+    "plane_error_k12_pct": "k = 12",
+    "surface_distance_pct": "surface",
+    "hausdorff_pct": "Hausdorff",
+    "coverage_mean_pct": "coverage",
+    "normal_deviation_deg": "normals",
+}
+
+
+def read(path: Path) -> dict[tuple[str, str], dict[str, dict[str, float]]]:
+    """Metrics by (model, reduction), then by method; cases that are not ok are left out."""
+    cases: dict[tuple[str, str], dict[str, dict[str, float]]] = defaultdict(dict)
+    with path.open(newline="", encoding="utf-8") as file:
+        for row in csv.DictReader(file):
+            if row["status"] == "ok":
+                values = {name: float(row[name]) for name in COLUMNS}
+                cases[row["model"], row["reduction"]][row["method"]] = values
+    return cases
+
+
+def ratios(cases: dict, method: str) -> dict[tuple[str, str], dict[str, float]]:
+    """Each metric of ``method`` over that of the reference, case by case."""
+    return {
+        case: {name: rows[method][name] / rows[REFERENCE][name] for name in COLUMNS}
+        for case, rows in cases.items()
+        if method in rows and REFERENCE in rows
+    }
+
+
+def summary(cases: dict) -> list[str]:
+    """One line per method: geometric mean, and the worst case in brackets."""
+    methods = sorted({method for rows in cases.values() for method in rows} - {REFERENCE})
+    lines = [_line("method", "cases", *COLUMNS.values()), _line(*["---"] * (len(COLUMNS) + 2))]
+    for method in methods:
+        found = list(ratios(cases, method).values())
+        cells = [_mean_and_worst([row[name] for row in found]) for name in COLUMNS]
+        lines.append(_line(method, str(len(found)), *cells))
+    return lines
+
+
+def by_case(cases: dict, method: str) -> list[str]:
+    """One line per case of ``method``, and how its eq. 27 error stands to the rivals that have the mesh."""
+    rivals = ("quadric_collapse", "quadric_decimation")
+    lines = [_line("case", *COLUMNS.values(), *(f"eq. 27 over {r}" for r in rivals))]
+    lines.append(_line(*["---"] * (len(COLUMNS) + 3)))
+    for case, row in ratios(cases, method).items():
+        own = cases[case][method]["plane_error_pct"]
+        over = [
+            f"{own / cases[case][r]['plane_error_pct']:.2f}" if r in cases[case] else "no mesh" for r in rivals
+        ]
+        lines.append(_line(" ".join(case), *(f"{row[name]:.2f}" for name in COLUMNS), *over))
+    return lines
+
+
+def _mean_and_worst(values: list[float]) -> str:
+    mean = math.exp(sum(math.log(value) for value in values) / len(values))
+    return f"{mean:.2f} ({max(values):.2f})"
+
+
+def _line(*cells: str) -> str:
+    return f"| {' | '.join(cells)} |"
+
+
+def main() -> None:
+    """Write the tables to stdout."""
+    cases = read(Path(__file__).with_name("records.csv"))
+    blocks = [summary(cases), by_case(cases, "lp_uniform"), by_case(cases, "lp_placed")]
+    sys.stdout.write("\n\n".join("\n".join(block) for block in blocks) + "\n")
+
+
+if __name__ == "__main__":
+    main()
