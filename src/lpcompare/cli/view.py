@@ -1,0 +1,48 @@
+"""``lpcompare view``: a point cloud or a run in 3D, in the browser."""
+
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+import webbrowser
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+RUN_FILE = "run.json"
+
+
+def command(
+    target: Annotated[
+        str, typer.Argument(metavar="FILE|RUN", help="A file, a model's name, or a run's folder.")
+    ],
+    *,
+    out: Annotated[
+        Path | None, typer.Option(help="The page to write. Default: in the temporary folder.")
+    ] = None,
+    browser: Annotated[bool, typer.Option(help="Open the page, where there is a screen.")] = True,
+) -> None:
+    """Show a point cloud or a run in the browser, or say where its page is."""
+    page = _write_page(target, out)
+    shown = browser and _has_screen() and webbrowser.open(page.resolve().as_uri())
+    typer.echo(f"{'Opened' if shown else 'The page is'} {page}")
+
+
+def _write_page(target: str, out: Path | None) -> Path:
+    from lpcompare.models import load_model
+    from lpcompare.report.page import write_page, write_view
+
+    path = Path(target)
+    out = out or Path(tempfile.mkdtemp(prefix="lpcompare-")) / f"{path.stem}.html"
+    if path.name == RUN_FILE or (path / RUN_FILE).is_file():
+        return write_page(path, out)
+    return write_view(load_model(target), out)
+
+
+def _has_screen() -> bool:
+    """Without one, the standard library would start a browser for text in this terminal."""
+    if sys.platform in ("win32", "darwin"):
+        return True
+    return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))

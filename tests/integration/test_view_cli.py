@@ -1,0 +1,76 @@
+"""``lpcompare view`` writes a page of a cloud or of a run, and opens it where there is a screen."""
+
+import sys
+
+import numpy as np
+import pytest
+
+from lpcompare.cli import main
+from lpcompare.io import write_point_cloud
+from lpcompare.types import PointCloud
+
+
+@pytest.fixture
+def view(monkeypatch, capsys):
+    opened = []
+    monkeypatch.setattr("webbrowser.open", lambda address: opened.append(address) or True)
+
+    def call(*words, screen=""):
+        monkeypatch.setenv("DISPLAY", screen)
+        monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+        monkeypatch.setattr(sys, "platform", "linux")
+        monkeypatch.setattr(sys, "argv", ["lpcompare", "view", *map(str, words)])
+        code = 0
+        try:
+            main()
+        except SystemExit as end:
+            code = end.code or 0
+        out = capsys.readouterr()
+        return code, out.out, out.err, opened
+
+    return call
+
+
+@pytest.fixture
+def scan(tmp_path):
+    path = tmp_path / "scan.ply"
+    write_point_cloud(path, PointCloud(np.random.default_rng(0).normal(size=(200, 3))))
+    return path
+
+
+def test_without_a_screen_it_says_where_the_page_is(view, scan, tmp_path):
+    code, out, err, opened = view(scan, "--out", tmp_path / "scan.html")
+    assert (code, out, err, opened) == (0, f"The page is {tmp_path / 'scan.html'}\n", "", [])
+    assert "<html" in (tmp_path / "scan.html").read_text(encoding="utf-8")
+
+
+def test_with_a_screen_it_opens_the_page(view, scan, tmp_path):
+    assert view(scan, "--out", tmp_path / "a.html", screen=":0")[3] == [(tmp_path / "a.html").as_uri()]
+    assert view(scan, "--out", tmp_path / "a.html", "--no-browser", screen=":0")[1].startswith("The page is")
+
+
+def test_the_page_of_a_run_is_shown_too(view, scan, tmp_path, monkeypatch, capsys):
+    words = [
+        "run",
+        "--model",
+        scan,
+        "--method",
+        "random_sample",
+        "--reduction",
+        "0.5",
+        "--out",
+        tmp_path / "run",
+    ]
+    monkeypatch.setattr(sys, "argv", ["lpcompare", *map(str, words)])
+    with pytest.raises(SystemExit, match="0"):
+        main()
+    capsys.readouterr()
+    for target in (tmp_path / "run", tmp_path / "run" / "run.json"):
+        assert view(target, "--out", tmp_path / "page.html")[0] == 0
+        assert "random_sample" in (tmp_path / "page.html").read_text(encoding="utf-8")
+
+
+def test_what_is_not_there_is_one_sentence(view, tmp_path):
+    code, out, err, _ = view(tmp_path / "nosuch.ply")
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert "Did you mean 'bunny'" in view("buny")[2]
