@@ -8,13 +8,15 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "plugins"))
 
-from made_runs import plain_run  # noqa: E402, F401
+from made_runs import plain_run  # noqa: F401
 
 
 def test_everything_is_written_and_named_line_by_line(lpcompare, plain_run, tmp_path):  # noqa: F811
     run = tmp_path / "run"
     shutil.copytree(plain_run, run)
-    done = lpcompare("report", run, "--latex", "--markdown", "--csv", "--meshlab", "--reference", "first_rows")
+    done = lpcompare(
+        "report", run, "--latex", "--markdown", "--csv", "--meshlab", "--reference", "first_rows"
+    )
     assert done.returncode == 0, done.stderr
     named = [Path(line) for line in done.stdout.split()]
     assert named == [
