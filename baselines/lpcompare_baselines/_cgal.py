@@ -11,6 +11,9 @@ from CGAL.CGAL_Point_set_3 import Point_set_3  # pyright: ignore[reportMissingIm
 from lpcompare.geometry.scale import bounding_box_center
 from lpcompare.types import Indices, Points
 
+MOST_CALLS = 20
+"""Calls of a search: each fills a point set anew, point by point."""
+
 
 def point_set(points: Points) -> Any:
     """The points as a CGAL point set, about the centre of their bounding box."""

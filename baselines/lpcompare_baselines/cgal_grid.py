@@ -10,7 +10,7 @@ from CGAL.CGAL_Point_set_processing_3 import grid_simplify_point_set  # pyright:
 
 from lpcompare.types import Indices, Points, Simplification, Traits
 from lpcompare_baselines._calibration import search_size, surface_spacing
-from lpcompare_baselines._cgal import point_set, rows_of
+from lpcompare_baselines._cgal import MOST_CALLS, point_set, rows_of
 from lpcompare_baselines._guards import check, check_distinct
 
 TRAITS = Traits(
@@ -28,7 +28,11 @@ def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) ->
     check(points, target_count)
     check_distinct(points, target_count)
     start = surface_spacing(points, target_count)
-    return {"cell_size": search_size(lambda size: len(_grid(points, size)), target_count, start)}
+
+    def count(size: float) -> int:
+        return len(_grid(points, size))
+
+    return {"cell_size": search_size(count, target_count, start, max_calls=MOST_CALLS)}
 
 
 def cgal_grid(

@@ -122,6 +122,8 @@ class Record:
         InputError
             A field is missing or has the wrong type.
         """
+        if not isinstance(row, Mapping):
+            raise InputError(f"A record is {row!r}, not an object.")
         hints = get_type_hints(cls)
         known = {f.name for f in fields(cls)}
         for name in ("model", "method", "reduction", "n_input", "target_count", "seed", "repeat", "status"):

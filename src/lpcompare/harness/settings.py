@@ -47,9 +47,11 @@ def check_settings(method: str, chosen: Mapping[str, Any]) -> None:
     ------
     UnknownName, InputError, Unavailable
     """
+    if not chosen:
+        return
     known = METHODS.settings(method)
     hints = get_type_hints(METHODS.get(method))
-    if chosen and not known:
+    if not known:
         raise InputError(f"{method} has no settings; leave out {', '.join(chosen)}.")
     for name, value in chosen.items():
         if name not in known:

@@ -167,7 +167,7 @@ def _parse(name_or_path: str) -> dict[str, Any]:
 
 
 def _grid(method: str, settings: Mapping[str, Any]) -> list[Variant]:
-    """One variant per combination of the settings' values."""
+    """One variant per combination of the settings' values; a method without any is not imported."""
     lists = [value if isinstance(value, list) else [value] for value in settings.values()]
     combinations = [dict(zip(settings, point, strict=True)) for point in product(*lists)]
     for chosen in combinations:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from lpcompare.types import Indices, Mask, Vector
 
 _STEP = 2.0**-36
-_MOST_SUMS = 200_000
+_MOST_SUMS = 1_000_000
 
 Sums = list[NDArray[np.int64]]
 
@@ -77,11 +77,17 @@ def _list_sums(costs: NDArray[np.int64], rows: Indices, most: int) -> _Half | No
         after = [before[0]]
         for m in range(1, min(len(before), most) + 1):
             grown = before[m - 1] + costs[row]
-            after.append(np.union1d(before[m], grown) if m < len(before) else grown)
+            after.append(_union(before[m], grown) if m < len(before) else grown)
         if sum(map(len, after)) > _MOST_SUMS:
             return None
         levels.append(after)
     return _Half(rows, costs[rows], levels)
+
+
+def _union(left: NDArray[np.int64], right: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Distinct values of both, ascending."""
+    merged = np.sort(np.concatenate([left, right]))
+    return merged[np.append(True, merged[1:] != merged[:-1])]
 
 
 def _nearest_pair(left: _Half, right: _Half, n_keep: int, wanted: int, n_points: int) -> Mask:

@@ -20,6 +20,7 @@ from lpcompare.lp.highs import solve_from
 from lpcompare.lp.start import exchange, rearrange, starting_mask
 from lpcompare.types import Mask, Vector
 
+_TURNS = 4
 _LIMITS = {
     "HIGHS": lambda s: {"time_limit": s.time_limit, "mip_rel_gap": s.gap},
     "SCIPY": lambda s: {"scipy_options": {"time_limit": s.time_limit, "mip_rel_gap": s.gap}},
@@ -134,12 +135,13 @@ def _select_from(
 def _certified_start(start: Mask, costs: Vector, goal: DensityGoal) -> tuple[Mask, Certificate]:
     """The start, improved where no bound proves it: a few points anew, then all if affordable."""
     first = certify(costs, start, goal, "open")
-    if first.proven:
-        return start, first
-    start = rearrange(costs, start, goal.wanted)
-    first = certify(costs, start, goal, "open")
-    if first.proven:
-        return start, first
+    for turn in range(_TURNS):
+        if first.proven:
+            return start, first
+        start = min(
+            (start, rearrange(costs, start, goal.wanted, turn)), key=lambda m: goal.objective(costs[m])
+        )
+        first = certify(costs, start, goal, "open")
     counted = nearest_sum(costs, first.n_keep, goal.wanted)
     if counted is None:
         return start, first

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from sklearn.base import BaseEstimator
 
+from lpcompare.errors import InputError
 from lpcompare.geometry.scale import normalize
 from lpcompare.lp.checks import (
     check_choice,
@@ -19,14 +20,18 @@ from lpcompare.lp.checks import (
     check_target,
 )
 from lpcompare.lp.clock import Callback, StageClock
+from lpcompare.lp.cluster_count import AUTO, ClusterCountSetting, check_n_clusters, choose_n_clusters
 from lpcompare.lp.clustering import Mixture, cluster_points
 from lpcompare.lp.curvature import estimate_curvature
 from lpcompare.lp.features import feature_mask
+from lpcompare.lp.max_error import simplify_within
 from lpcompare.lp.reduction import Reading, plan_clusters, reduce_clusters
 from lpcompare.lp.selection import SolverSettings
+from lpcompare.lp.uniform_simplifier import UniformReducer
 from lpcompare.types import Points, Simplification
 
 METHODS = ("lp_density", "lp_printed")
+UNIFORM_METHODS = ("lp_uniform", "lp_placed")
 
 
 def simplify(
@@ -34,9 +39,11 @@ def simplify(
     *,
     target_reduction: float | None = None,
     target_count: int | None = None,
+    max_error: float | None = None,
+    method: str = "lp_density",
     **settings: Any,
 ) -> Simplification:
-    """Thin a point cloud with the method of Leal et al. (2017).
+    """Thin a point cloud with the method of Leal et al. (2017), or with ours that grew out of it.
 
     Parameters
     ----------
@@ -45,15 +52,19 @@ def simplify(
     target_reduction : float, optional
         Share of the points removed, from 0 to below 1.
     target_count : int, optional
-        Points kept, from 1 to n. Give exactly one of the two.
+        Points kept, from 1 to n.
+    max_error : float, optional
+        Largest eq. 27 error (8 neighbours) in % of the bounding-box diagonal: as few points are kept as it
+        allows. Give exactly one of the three.
+    method : {"lp_density", "lp_printed", "lp_uniform", "lp_placed"}
     **settings
-        Those of `LPSimplifier`.
+        Those of `LPSimplifier`, or for the last two of `lpcompare.lp.uniform_simplifier.UniformReducer`.
 
     Returns
     -------
     Simplification
         The kept points with their rows in the input; ``info`` holds the certificates and the cluster of
-        every input point.
+        every input point. The points of "lp_placed" are new; ``info["source"]`` has their rows.
 
     Raises
     ------
@@ -71,10 +82,23 @@ def simplify(
     >>> len(lpcompare.simplify(cloud, target_reduction=0.9))
     50
     """
-    return (
-        LPSimplifier(target_reduction=target_reduction, target_count=target_count, **settings)
-        .fit(points)
-        .simplification_
+    cloud = check_cloud(points)
+    reduce = _reducer(cloud, check_choice("method", method, METHODS + UNIFORM_METHODS), settings)
+    if max_error is None:
+        return reduce(check_target(len(cloud), target_reduction, target_count))
+    if target_reduction is not None or target_count is not None:
+        raise InputError(
+            "max_error chooses the count; give it alone, without target_reduction or target_count."
+        )
+    return simplify_within(cloud, max_error, reduce)
+
+
+def _reducer(cloud: Points, method: str, settings: dict[str, Any]) -> Callable[[int], Simplification]:
+    """The method as a function of the count alone."""
+    if method in UNIFORM_METHODS:
+        return UniformReducer(cloud, placed=method == "lp_placed", **settings).reduce
+    return lambda count: (
+        LPSimplifier(target_count=count, method=method, **settings).fit(cloud).simplification_
     )
 
 
@@ -88,8 +112,8 @@ class LPSimplifier(BaseEstimator):
     method : {"lp_density", "lp_printed"}
         "lp_density" keeps each cluster's mean inverse distance (eq. 14 with k = 1); "lp_printed" is
         eqs. 12-26 as they stand, with k = 1 / PR.
-    n_clusters : int
-        Components of the mixture; cut to the number of distinct points.
+    n_clusters : int or "auto"
+        Components of the mixture, cut to the number of distinct points; "auto" takes the number of least BIC.
     n_neighbors : int
         Points per curvature fit, the point itself among them.
     retention : {"exact-count", "keep-features"}
@@ -120,6 +144,8 @@ class LPSimplifier(BaseEstimator):
         Cluster of each point.
     mixture_ : Mixture
         Weights, means, covariances in model units, and the log-likelihood per iteration (eqs. 2-5).
+    cluster_count_ : ClusterCount or None
+        The curve of n_clusters="auto".
     curvature_ : Curvature
         H, K and A of each point (eqs. 9-11), in model units.
     feature_mask_ : ndarray of bool, shape (n,)
@@ -140,7 +166,7 @@ class LPSimplifier(BaseEstimator):
         target_reduction: float | None = None,
         target_count: int | None = None,
         method: str = "lp_density",
-        n_clusters: int = 20,
+        n_clusters: ClusterCountSetting = 20,
         n_neighbors: int = 20,
         retention: str = "exact-count",
         feature_share: float = 0.4,
@@ -229,7 +255,7 @@ class LPSimplifier(BaseEstimator):
 
     def _check_settings(self) -> None:
         check_choice("method", self.method, METHODS)
-        check_integer("n_clusters", self.n_clusters, 1)
+        check_n_clusters(self.n_clusters)
         check_integer("n_neighbors", self.n_neighbors, 1)
         check_choice("retention", self.retention, ("exact-count", "keep-features"))
         check_number("feature_share", self.feature_share, 0.0, 1.0)
@@ -242,11 +268,14 @@ class LPSimplifier(BaseEstimator):
     def _cluster(
         self, cloud: Points, rng: np.random.Generator, progress: Callable[[int, int], None]
     ) -> Mixture:
+        wanted = check_n_clusters(self.n_clusters)
+        self.cluster_count_ = choose_n_clusters(cloud, rng) if wanted == AUTO else None
+        n_clusters = self.cluster_count_.n_clusters if self.cluster_count_ else int(wanted)
         if self.clusterer == "sklearn":
             from lpcompare.lp.sklearn_clustering import cluster_points_with_sklearn
 
-            return cluster_points_with_sklearn(cloud, self.n_clusters, rng)
-        return cluster_points(cloud, self.n_clusters, rng, progress=progress)
+            return cluster_points_with_sklearn(cloud, n_clusters, rng)
+        return cluster_points(cloud, n_clusters, rng, progress=progress)
 
     def _simplification(self, points: Points) -> Simplification:
         info = {

@@ -9,6 +9,7 @@ from lpcompare.types import Indices, Mask, Vector
 
 _EXCHANGES = 50
 _FEW = 12
+_MANY = 200
 
 
 def starting_mask(costs: Vector, n_keep: int, target: float, rng: np.random.Generator) -> Mask:
@@ -88,14 +89,15 @@ def exchange(costs: Vector, mask: Mask, target: float) -> Mask:
     return mask
 
 
-def rearrange(costs: Vector, mask: Mask, target: float) -> Mask:
+def rearrange(costs: Vector, mask: Mask, target: float, turn: int) -> Mask:
     """Choose anew, and optimally, among a few kept and a few other points, spread over the costs.
 
-    The arguments and the result are those of `exchange`.
+    The arguments and the result are those of `exchange`; each ``turn`` takes other points.
     """
     order = np.argsort(costs, kind="stable")
     inside, outside = order[mask[order]], order[~mask[order]]
-    kept, others = _spread(inside), _spread(outside)
+    kept = _spread(inside, _FEW, turn)
+    others = _spread(outside, max(_FEW, _MANY // len(kept)), turn)
     few = np.concatenate([kept, others])
     fixed = float(costs[inside].sum()) - float(costs[kept].sum())
     chosen = nearest_sum(costs[few], len(kept), (target * len(inside) - fixed) / len(kept))
@@ -106,10 +108,10 @@ def rearrange(costs: Vector, mask: Mask, target: float) -> Mask:
     return mask
 
 
-def _spread(rows: Indices) -> Indices:
-    """Up to `_FEW` of the rows, evenly spaced."""
-    n_rows = min(len(rows), _FEW)
-    return rows[np.arange(n_rows) * len(rows) // max(n_rows, 1)]
+def _spread(rows: Indices, most: int, turn: int) -> Indices:
+    """Up to ``most`` of the rows, evenly spaced, each ``turn`` one place further on."""
+    n_rows = min(len(rows), most)
+    return rows[(np.arange(n_rows) * len(rows) // max(n_rows, 1) + turn) % max(len(rows), 1)]
 
 
 def _best_pair(costs: Vector, inside: Indices, outside: Indices, missing: float) -> tuple[int, int]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from lpcompare.lp.cluster_count import ClusterCountSetting
 from lpcompare.lp.uniform_simplifier import simplify_uniformly
 from lpcompare.types import Points, Simplification, Traits
 
@@ -24,14 +25,14 @@ def lp_placed(
     target_count: int,
     *,
     rng: np.random.Generator,
-    n_clusters: int = 20,
+    n_clusters: ClusterCountSetting = 20,
     n_neighbors: int = 20,
     n_rounds: int = 12,
     density_tolerance: float = 0.01,
     gap: float = 5e-3,
     time_limit: float = 10.0,
 ) -> Simplification:
-    """Keep ``target_count`` of the points; the settings are those of `simplify_uniformly`.
+    """Keep ``target_count`` of the points; the settings are those of `UniformReducer`.
 
     Parameters
     ----------

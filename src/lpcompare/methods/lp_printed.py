@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from lpcompare.lp.cluster_count import ClusterCountSetting
 from lpcompare.lp.simplifier import LPSimplifier
 from lpcompare.types import Points, Simplification, Traits
 
@@ -24,7 +25,7 @@ def lp_printed(
     target_count: int,
     *,
     rng: np.random.Generator,
-    n_clusters: int = 20,
+    n_clusters: ClusterCountSetting = 20,
     n_neighbors: int = 20,
     retention: str = "exact-count",
     feature_share: float = 0.4,

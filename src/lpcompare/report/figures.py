@@ -3,29 +3,24 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lpcompare.geometry.scale import bounding_box_diagonal
-from lpcompare.harness.clouds import load_arrays
 from lpcompare.harness.inputs import file_name
 from lpcompare.harness.record import Run
 from lpcompare.report.cells import Cell, distinct, gather_cells, pareto_front
 from lpcompare.report.charts import choose_reference
 from lpcompare.report.columns import ERROR, RUNTIME, headings
-from lpcompare.report.projections import draw_cloud
-from lpcompare.report.shading import up_axis
+from lpcompare.report.pictures import draw_pictures, plain_text
 from lpcompare.report.styles import method_styles
 from lpcompare.report.views import has_cloud, input_files
-from lpcompare.report.wording import number, percent
-from lpcompare.types import Points
+from lpcompare.report.wording import percent
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.cm import ScalarMappable
     from matplotlib.figure import Figure
 
 FORMATS = ("svg", "pdf", "png")
@@ -72,8 +67,8 @@ def draw_curves(axes: Axes, cells: Sequence[Cell], x_key: str, *, front: bool = 
         group = sorted((c for c in judged if c.method == method), key=lambda c: c.reduction)
         x, y = (np.array([c.value(key) for c in group]) for key in (x_key, ERROR))
         axes.errorbar(
-            x, y, xerr=_bars(group, x_key), yerr=_bars(group, ERROR), label=_plain(method), lw=0.8, ls=":",
-            elinewidth=0.8, ms=5, color=styles[method].color, marker=styles[method].marker,
+            x, y, xerr=_bars(group, x_key), yerr=_bars(group, ERROR), label=plain_text(method), lw=0.8,
+            ls=":", elinewidth=0.8, ms=5, color=styles[method].color, marker=styles[method].marker,
         )  # fmt: skip
     for axis, key in (("x", x_key), ("y", ERROR)):
         if judged and all(c.values[key].low > 0 for c in judged):
@@ -96,10 +91,10 @@ def draw_ratios(axes: Axes, cells: Sequence[Cell], reference: str) -> None:
         ratio, size = cell.value(ERROR) / base[cell.reduction], 3 + 4 * cell.reduction
         axes.plot(ratio, places[cell.method], style.marker, color=style.color, ms=size)
     axes.axvline(1, color="0.6", lw=1)
-    axes.set_yticks(list(places.values()), [_plain(method) for method in places])
+    axes.set_yticks(list(places.values()), [plain_text(method) for method in places])
     if judged and min(c.value(ERROR) for c in judged) > 0:
         _logarithmic(axes, "x")
-    axes.set_xlabel(f"Eq. 27 error, times {_plain(reference)}")
+    axes.set_xlabel(f"Eq. 27 error, times {plain_text(reference)}")
     axes.grid(alpha=0.3, axis="x")
 
 
@@ -113,75 +108,13 @@ def draw_stages(axes: Axes, cells: Sequence[Cell]) -> None:
     for i, stage in enumerate(stages):
         widths = np.array([cell.timings.get(stage, 0.0) for cell in timed])
         color = colormaps["viridis"](i / max(1, len(stages) - 1))
-        axes.barh(range(len(timed)), widths, left=left, label=_plain(stage), color=color)
+        axes.barh(range(len(timed)), widths, left=left, label=plain_text(stage), color=color)
         left += widths
     rest = np.clip(np.array([cell.value(RUNTIME) for cell in timed]) - left, 0, None)
     axes.barh(range(len(timed)), rest, left=left, label="not told apart", color="0.7")
-    axes.set_yticks(range(len(timed)), [_plain(cell.method) for cell in timed])
+    axes.set_yticks(range(len(timed)), [plain_text(cell.method) for cell in timed])
     axes.set_xlabel("Seconds")
     axes.legend(fontsize=7, loc="lower right")
-
-
-def draw_results(figure: Figure, run: Run, cells: Sequence[Cell], *, errors: bool, size: float = 1.2) -> None:
-    """The original and each result of one model and reduction.
-
-    Parameters
-    ----------
-    figure : matplotlib.figure.Figure
-    run : Run
-    cells : sequence of Cell
-        Results that the run kept, of one model and reduction.
-    errors : bool
-        Colour every original by its eq. 27 error, on one scale; otherwise draw the points that were kept.
-    size : float
-        Area of a point, in square typographic points.
-    """
-    points = load_arrays(input_files(run)[cells[0].model])["points"].astype(float)
-    results = [(cell, load_arrays(run.folder / cell.cloud)) for cell in cells]
-    n_columns = min(4, len(cells) + 1)
-    grid = figure.subplots(-(-(len(cells) + 1) // n_columns), n_columns, squeeze=False).ravel()
-    for axes in grid:
-        axes.set_axis_off()
-    scale = error_scale(points, [arrays for _, arrays in results])
-    panels = [(None, {}), *results]
-    shown = None
-    for axes, (cell, arrays) in zip(grid, panels, strict=False):
-        shown = _draw_result(axes, points, arrays, scale if errors else None, size)
-        axes.set_title(_result_title(cell, points, arrays), fontsize=9)
-        axes.set_xlim(grid[0].get_xlim())
-        axes.set_ylim(grid[0].get_ylim())
-    if errors and shown is not None:
-        figure.colorbar(shown, ax=list(grid), shrink=0.6, label="Eq. 27 error [% of diagonal]", extend="max")
-
-
-def error_scale(points: Points, results: Sequence[Mapping[str, np.ndarray]]) -> float:
-    """The error in % at the top of a colour scale: the median of the 99th percentiles of the results."""
-    return float(np.median([np.percentile(_percent_errors(points, r), 99) for r in results]))
-
-
-def _draw_result(
-    axes: Axes, points: Points, arrays: Mapping[str, np.ndarray], scale: float | None, size: float
-) -> ScalarMappable:
-    up = up_axis(points)
-    if not arrays:
-        return draw_cloud(axes, points, size=size, up=up)
-    if scale is None:
-        return draw_cloud(axes, arrays["points"].astype(float), size=2.5 * size, up=up, plain="#1f4e79")
-    return draw_cloud(
-        axes, points, _percent_errors(points, arrays), limits=(0, scale), size=size, up=up, shaded=False
-    )
-
-
-def _result_title(cell: Cell | None, points: Points, arrays: Mapping[str, np.ndarray]) -> str:
-    if cell is None:
-        return f"original\n{len(points):,} points"
-    return f"{_plain(cell.method)}\n{len(arrays['points']):,} points, error {number(cell.value(ERROR))} %"
-
-
-def _percent_errors(points: Points, arrays: Mapping[str, np.ndarray]) -> np.ndarray:
-    """Eq. 27's distance of each original (n,) in % of the diagonal."""
-    diagonal = bounding_box_diagonal(points)
-    return arrays["plane_errors"].astype(float) * (100 / diagonal if diagonal > 0 else 1.0)
 
 
 def _figures(run: Run, reference: str) -> Iterator[tuple[str, Figure]]:
@@ -204,11 +137,9 @@ def _figures(run: Run, reference: str) -> Iterator[tuple[str, Figure]]:
         draw_stages(figure.subplots(), [c for c in group if c.reduction == largest])
         yield f"{file_name(model)}-stages", figure
         shown = [c for c in group if c.reduction == largest and has_cloud(run, c) and ERROR in c.values]
-        if shown and model in input_files(run):
-            for name, errors in (("kept", False), ("errors", True)):
-                figure = Figure(figsize=(10, 2.8 * -(-(len(shown) + 1) // 4)), layout="constrained")
-                figure.suptitle(f"{_plain(model)}, {percent(largest)} of the points removed", fontsize=10)
-                draw_results(figure, run, sorted(shown, key=lambda c: c.value(ERROR)), errors=errors)
+        if model in input_files(run):
+            for name, figure in draw_pictures(run, sorted(shown, key=lambda c: c.value(ERROR))):
+                figure.suptitle(f"{plain_text(model)}, {percent(largest)} of the points removed", fontsize=10)
                 yield f"{file_name(model)}-{name}", figure
 
 
@@ -228,11 +159,6 @@ def _bars(cells: Sequence[Cell], key: str) -> np.ndarray:
     """Lengths (2, n) of the bars from the medians down to the smallest and up to the largest repeat."""
     spans = [cell.values[key] for cell in cells]
     return np.array([[s.median - s.low for s in spans], [s.high - s.median for s in spans]])
-
-
-def _plain(text: str) -> str:
-    """A name without what matplotlib would read as mathematics, or hide from a legend."""
-    return text.replace("$", r"\$").lstrip("_")
 
 
 def _save(figure: Figure, path: Path) -> None:

@@ -155,7 +155,10 @@ def triangulate(points: Points) -> NDArray[np.intp]:
     if len(points) < 3:
         raise InputError(f"{len(points)} points span no triangle; give at least 3.")
     library = pymeshlab()
-    spacing = float(np.median(Neighbors(points).query(points, 2)[0][:, 1]))
+    distances = Neighbors(points).query(points, 2)[0][:, 1]
+    if not distances.any():
+        return np.empty((0, 3), dtype=np.intp)
+    spacing = float(np.median(distances[distances > 0]))
     meshes = library.MeshSet()
     meshes.add_mesh(library.Mesh(vertex_matrix=points - bounding_box_center(points)))
     meshes.compute_normal_for_point_clouds(k=10)

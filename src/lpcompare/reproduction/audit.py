@@ -49,9 +49,9 @@ def density_definition(tables: Tables, model: str) -> Finding | None:
     return Finding(
         "Eq. 12 is the cluster's density, the average of the inverse distance.",
         "cannot be right" if printed.min() < mean.min() else "confirmed",
-        f"Eq. 12 prints 1 / sum(1/d), a length, where its sentence and eq. 15 say mean(1/d). Changing the"
-        f" unit of the model leaves at least {mean.min():.0f} % of the selection as it was with the mean, and as"
-        f" little as {printed.min():.0f} % with eq. 12 as printed.",
+        "Eq. 12 prints 1 / sum(1/d), a length, where its sentence and eq. 15 say mean(1/d). Changing the"
+        f" unit of the model leaves at least {mean.min():.0f} % of the selection as it was with the mean, and"
+        f" as little as {printed.min():.0f} % with eq. 12 as printed.",
         "programme.csv",
     )
 

@@ -52,6 +52,13 @@ def test_triangles_through_a_sphere_close_most_of_it():
     assert area == pytest.approx(4 * np.pi, rel=0.03)
 
 
+@pytest.mark.parametrize(
+    "points", [np.zeros((5, 3)), np.c_[np.arange(9.0), np.zeros((9, 2))], np.repeat(np.eye(3), 2, axis=0)]
+)
+def test_points_that_carry_no_surface_give_few_triangles_or_none(points):
+    assert len(triangulate(points)) <= 2
+
+
 @pytest.fixture
 def axes():
     return Figure().subplots()

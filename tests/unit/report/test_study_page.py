@@ -3,7 +3,8 @@
 from lpcompare.harness.record import Record, Run
 from lpcompare.report.study_page import write_study_page
 
-FACTS = {"command": "lpcompare run", "started": "2026-01-02T03:04:05", "commit": "", "cpu": "a chip", "cores": 2}
+STARTED = "2026-01-02T03:04:05"
+FACTS = {"command": "lpcompare run", "started": STARTED, "commit": "", "cpu": "a chip", "cores": 2}
 
 
 def record(method, model, error, status="ok", message=""):

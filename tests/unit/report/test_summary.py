@@ -25,8 +25,7 @@ def test_one_winner_everywhere_with_its_lead():
     )
     assert (
         "a has the lowest error (eq. 27) at all three reductions, 1.00 % of the diagonal; "
-        "b has 2.00 times as much."
-        in text
+        "b has 2.00 times as much." in text
     )
 
 
@@ -49,8 +48,7 @@ def test_a_winner_that_was_given_the_mesh_is_not_the_only_one_named():
     text = told([cell("qem", 1, needs_mesh=True), cell("a", 2), cell("b", 3)])
     assert (
         "Of the methods that were given points and no mesh, a has the lowest error at 90 %; "
-        "b has 1.50 times as much."
-        in text
+        "b has 1.50 times as much." in text
     )
 
 

@@ -48,7 +48,6 @@ def test_robust_means_growing_less_than_a_random_choice(grown, verdict):
 
 
 def test_a_model_that_is_not_in_the_tables_has_no_findings():
-    tables = dict.fromkeys(
-        ("programme", "counts", "errors", "features", "holes", "robustness", "seconds"), []
-    )
+    names = ("programme", "counts", "errors", "features", "holes", "robustness", "seconds")
+    tables = {name: [] for name in names}
     assert audit.audit(tables, "stanford-bunny") == []

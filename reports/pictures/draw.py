@@ -1,0 +1,90 @@
+"""Draw the pictures of the README from a run.
+
+::
+
+    lpcompare run --model bunny --repeats 2 --out reports/local/bunny
+    python reports/pictures/draw.py reports/local/bunny
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from PIL import Image
+
+from lpcompare.harness.clouds import load_arrays
+from lpcompare.harness.record import load_run
+from lpcompare.report.cells import gather_cells
+from lpcompare.report.columns import ERROR
+from lpcompare.report.page import write_page
+from lpcompare.report.pictures import error_scale, percent_errors
+from lpcompare.report.projections import draw_cloud
+from lpcompare.report.views import input_files
+from lpcompare.report.wording import number
+
+METHODS = ("lp_printed", "poisson_disk", "lp_uniform")
+FOLDER = Path(__file__).parent
+CHROMIUM = "/usr/bin/chromium"
+
+
+def draw_bunny(run_folder: Path, out: Path) -> None:
+    """The original beside three methods: what is kept above, the error of every original below."""
+    run = load_run(run_folder)
+    cells = {
+        c.method: c for c in gather_cells(run.records) if c.reduction == max(r.reduction for r in run.records)
+    }
+    points = load_arrays(input_files(run)[run.records[0].model])["points"]
+    results = {method: load_arrays(run.folder / cells[method].cloud) for method in METHODS}
+    high = error_scale(points, list(results.values()))
+    figure = Figure(figsize=(11, 5.6), layout="constrained")
+    grid = figure.subplots(2, len(METHODS) + 1)
+    shown = draw_cloud(grid[0, 0], points, size=2.4)
+    grid[0, 0].set_title(f"original\n{len(points):,} points", fontsize=11)
+    grid[1, 0].set_axis_off()
+    for column, (method, result) in enumerate(results.items(), start=1):
+        draw_cloud(grid[0, column], result["points"], size=3, plain="#16324f")
+        shown = draw_cloud(
+            grid[1, column], points, percent_errors(points, result), limits=(0, high), size=2.4, shaded=False
+        )
+        error = number(cells[method].value(ERROR))
+        grid[0, column].set_title(f"{method}\n{len(result['points']):,} points, error {error} %", fontsize=11)
+        for axes in grid[:, column]:
+            axes.set_xlim(grid[0, 0].get_xlim())
+            axes.set_ylim(grid[0, 0].get_ylim())
+    bar = figure.colorbar(shown, cax=grid[1, 0].inset_axes((0.62, 0.1, 0.09, 0.8)), extend="max")
+    bar.ax.yaxis.set_ticks_position("left")
+    bar.set_label("Eq. 27 error of each original point\n[% of the bounding-box diagonal]", labelpad=-80)
+    _save_small(figure, out)
+
+
+def _save_small(figure: Figure, out: Path) -> None:
+    """A PNG of 256 colours."""
+    figure.set_dpi(110)
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB").quantize(256).save(out, optimize=True)
+
+
+def shoot_page(run_folder: Path, out: Path) -> None:
+    """The page of the run in Chromium."""
+    from playwright.sync_api import sync_playwright
+
+    page = write_page(run_folder).resolve()
+    with sync_playwright() as running:
+        flags = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"]
+        browser = running.chromium.launch(executable_path=CHROMIUM, args=flags)
+        tab = browser.new_page(viewport={"width": 1240, "height": 1200})
+        tab.goto(page.as_uri())
+        tab.wait_for_selector("#view-grid[data-drawn]", timeout=120_000)
+        tab.wait_for_timeout(2000)
+        tab.screenshot(path=out)
+        browser.close()
+
+
+if __name__ == "__main__":
+    draw_bunny(Path(sys.argv[1]), FOLDER / "bunny.png")
+    shoot_page(Path(sys.argv[1]), FOLDER / "page.png")
