@@ -225,7 +225,8 @@ def robustness(tables: Tables, model: str) -> Finding | None:
         "The approach is robust to noise and outliers.",
         "refuted" if worse == judged else "not confirmed" if worse else "confirmed",
         "Error against the clean cloud, from the undamaged to the damaged input, in % of the diagonal;"
-        f" {'; '.join(parts)}. In {worse} of {judged} comparisons the paper's method loses more than a random choice does.",
+        f" {'; '.join(parts)}. In {worse} of {judged} comparisons the paper's method loses more than a random"
+        " choice does.",
         "robustness.csv",
     )
 
