@@ -10,7 +10,7 @@ import pytest
 from lpcompare.harness.record import load_run
 
 NAUGHTY = {
-    "hangs": ("timeout", "Killed in the warm-up after 3 s, the time limit."),
+    "hangs": ("timeout", "Killed in the warm-up after 10 s, the time limit."),
     "aborts": (
         "failed",
         "The process crashed with SIGABRT in the warm-up. Last output: assertion failed: n > 0",
