@@ -34,5 +34,11 @@ def _fits_plain(value: object, hint: Any) -> bool:
 
 
 def spell(hint: Any) -> str:
-    """The annotation as a person would write it."""
+    """The annotation as a person would say it: ``int or 'auto'``."""
+    if get_origin(hint) in (Union, UnionType):
+        return " or ".join(spell(part) for part in get_args(hint))
+    if get_origin(hint) is Literal:
+        return " or ".join(map(repr, get_args(hint)))
+    if hint is type(None):
+        return "nothing"
     return hint.__name__ if isinstance(hint, type) and get_origin(hint) is None else str(hint)

@@ -7,7 +7,7 @@ import numpy as np
 from lpcompare.types import PointCloud, Simplification, Traits
 
 _FORGIVEN = 0.01
-"""Share of a promised count that may be missing: a damaged mesh can keep a good method from the last points."""
+"""Share of a promised count that may be missing: a damaged mesh can withhold the last points."""
 
 
 def fault(result: object, before: PointCloud, after: PointCloud, target: int, traits: Traits) -> str:
