@@ -28,6 +28,8 @@ def _fits_plain(value: object, hint: Any) -> bool:
     if hint in (int, float):
         kinds = (int,) if hint is int else (int, float)
         return isinstance(value, kinds) and not isinstance(value, bool)
+    if hint is Any:
+        return True
     if hint in (None, type(None)):
         return value is None
     return isinstance(value, hint) if isinstance(hint, type) else True
