@@ -26,7 +26,7 @@ def search_size(
     *,
     smallest: float = 0.0,
     tolerance: int = 0,
-    max_calls: int = 40,
+    max_calls: int = 60,
 ) -> float:
     """Size whose count is nearest to the target: a bracketing secant on the log-log scale.
 

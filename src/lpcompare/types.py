@@ -112,7 +112,7 @@ class Traits:
     keeps_attributes : bool
         Attributes can follow the points: by index, or because the method carries them.
     seeded : bool
-        The same seed gives the same points, in a fresh process where the library keeps a generator of its own.
+        The same seed gives the same points (in a fresh process, if the library keeps its own generator).
     exact_count : bool
         The result has exactly the number of points asked for.
     requires : tuple of str

@@ -230,6 +230,15 @@ def test_the_button_turns_light_to_dark_and_back(visit):
     assert ground() == light
 
 
+def test_paper_is_light_and_holds_every_chart(browser, path):
+    visit = Visit(browser, path, color_scheme="dark").drawn(3)
+    assert len(visit.page.pdf()) > 50_000
+    assert visit.page.locator("#charts .plot-container").count() == 4
+    visit.page.emulate_media(media="print", color_scheme="dark")
+    assert visit.page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(255, 255, 255)"
+    visit.context.close()
+
+
 def test_a_phone_needs_no_sideways_scrolling(browser, path):
     visit = Visit(browser, path, viewport={"width": 390, "height": 844}).drawn(3)
     assert visit.page.evaluate("document.documentElement.scrollWidth") <= 390

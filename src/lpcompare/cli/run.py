@@ -107,6 +107,7 @@ def _run(plan: Plan, models: Mapping[str, PointCloud], folder: Path, *, resume: 
     from lpcompare.cli._progress import RunProgress, shows_progress
     from lpcompare.harness.estimate import Estimate
     from lpcompare.harness.runner import run_plan
+    from lpcompare.report.page import write_page
     from lpcompare.report.table import format_run
 
     estimate = Estimate({name: len(cloud) for name, cloud in models.items()}, plan.jobs)
@@ -120,7 +121,7 @@ def _run(plan: Plan, models: Mapping[str, PointCloud], folder: Path, *, resume: 
         typer.echo(f"\nStopped. Continue with the same command and --resume --out {folder}", err=True)
         raise typer.Exit(EXIT_STOPPED) from None
     typer.echo(format_run(run))
-    typer.echo(f"\nThe run is in {folder}.")
+    typer.echo(f"\nThe run is in {folder}; look at it in {write_page(folder)}.")
 
 
 def _size(plan: Plan, estimate: Estimate) -> str:

@@ -45,7 +45,7 @@ def command(
     *,
     reduction: Annotated[float | None, typer.Option(help="Share of the points to remove.")] = None,
     count: Annotated[int | None, typer.Option(help="Points to keep, instead of a reduction.")] = None,
-    method: Annotated[str, typer.Option(help="See lpcompare list.")] = "lp_density",
+    method: Annotated[str, typer.Option(help="See lpcompare list.")] = "lp_uniform",
     assignments: Annotated[
         list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help="A setting of the method.")
     ] = None,

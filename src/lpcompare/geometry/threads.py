@@ -41,7 +41,8 @@ def map_in_threads(
     on_done : callable, optional
         Called in the calling thread with (items done, items).
     cancelled : threading.Event, optional
-        Set when the loop is given up, for items that watch it.
+        Set when the loop is given up, for items that watch it. They then run outside the calling thread even
+        if there is one thread only, because Ctrl-C reaches the calling thread alone.
 
     Returns
     -------
@@ -55,9 +56,9 @@ def map_in_threads(
         those that run are waited for, so that no thread is left behind.
     """
     items = list(items)
-    if thread_count() == 1 or len(items) < 2:
+    if cancelled is None and (thread_count() == 1 or len(items) < 2):
         return _in_this_thread(function, items, on_done)
-    with ThreadPoolExecutor(min(thread_count(), len(items))) as pool:
+    with ThreadPoolExecutor(max(1, min(thread_count(), len(items)))) as pool:
         futures = [pool.submit(function, item) for item in items]
         try:
             for done, future in enumerate(as_completed(futures), 1):

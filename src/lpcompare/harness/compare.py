@@ -4,6 +4,7 @@ Records are paired by model, damage, variant, reduction, seed and repeat. Runtim
 the reference work that each child process did around its call (`lpcompare.harness.timing`), so that a machine
 that was busy in one run does not make every method look slower. A difference is called one only when its
 p-value, adjusted for the number of methods (Holm), is below 5 %; of runtimes, only beyond a margin as well.
+Where the machine was busy in either run, only processor time is judged.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import math
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from statistics import median
 
 from lpcompare.errors import InputError
 from lpcompare.harness.record import Record, Run
@@ -19,6 +21,11 @@ from lpcompare.harness.statistics import Difference, holm, paired_difference, ve
 
 RUNTIME_MARGIN = 0.05
 """Runtimes that differ by less than 5 % are not told apart."""
+
+SHORTEST_S = 0.005
+"""Calls shorter than 5 ms are not judged: what ran before them decides their time."""
+
+_LONGEST_WAIT = 0.1
 
 
 @dataclass(frozen=True)
@@ -29,6 +36,8 @@ class MethodDifference:
     ----------
     variant : str
     n_pairs : int
+    seconds : float
+        Median runtime over both runs.
     wall, cpu : Difference or None
         Of the logarithms of the runtimes, in units of the reference work: on the wall clock, and of all
         processors together; None where the runs have no such seconds.
@@ -37,13 +46,14 @@ class MethodDifference:
     same_points : int
         Pairs whose points are identical.
     runtime_verdict : str
-        "slower", "faster", "no difference" or "too few pairs".
+        "slower", "faster", "n.s.", "too short" or "too few pairs".
     error_verdict : str
-        "worse", "better", "identical", "no difference" or "too few pairs".
+        "worse", "better", "identical", "n.s." or "too few pairs".
     """
 
     variant: str
     n_pairs: int
+    seconds: float
     wall: Difference | None
     cpu: Difference | None
     error: Difference | None
@@ -65,9 +75,19 @@ def compare_runs(first: Run, second: Run) -> list[MethodDifference]:
     if not pairs:
         raise InputError(f"{first.folder} and {second.folder} have no finished case in common.")
     measured = [_measure(variant, group) for variant, group in pairs.items()]
-    clocks = holm([_p_value(d) for m in measured for d in (m.wall, m.cpu)])
+    busy = was_busy(first) or was_busy(second)
+    clocks = holm([_p_value(d) for m in measured for d in (None if busy else m.wall, m.cpu)])
     errors = holm([_p_value(m.error) for m in measured])
     return [_judge(one, clocks[2 * i : 2 * i + 2], errors[i]) for i, one in enumerate(measured)]
+
+
+def was_busy(run: Run) -> bool:
+    """Whether other programs held the processors: the reference work waited more than a tenth of its time.
+
+    A short call slips through between two waits and a long one does not: no wall clock can be believed then.
+    """
+    waits = [r.reference_s / r.reference_cpu_s for r in run.records if r.reference_s and r.reference_cpu_s]
+    return bool(waits) and median(waits) > 1 + _LONGEST_WAIT
 
 
 def check_inputs(first: Run, second: Run) -> None:
@@ -124,6 +144,7 @@ def _measure(variant: str, pairs: list[tuple[Record, Record]]) -> MethodDifferen
     return MethodDifference(
         variant,
         len(pairs),
+        median([r.runtime_s or 0.0 for pair in pairs for r in pair]),
         _speed_difference(pairs, "runtime_s", "reference_s"),
         _speed_difference(pairs, "cpu_s", "reference_cpu_s"),
         paired_difference(errors) if errors and all(map(math.isfinite, errors)) else None,
@@ -144,16 +165,17 @@ def _p_value(difference: Difference | None) -> float:
 
 
 def _judge(measured: MethodDifference, clocks: list[float], error_p: float) -> MethodDifference:
-    """Either clock may tell runtimes apart; other programs disturb the processors' own less."""
+    """Either clock may tell runtimes apart; on a busy machine only the processors' own."""
     wall, cpu = (
         verdict(d, p, "slower", "faster") for d, p in zip((measured.wall, measured.cpu), clocks, strict=True)
     )
     error = verdict(measured.error, error_p, "worse", "better")
     if measured.error is not None and measured.error.low == measured.error.high == 0:
         error = "identical"
-    return replace(
-        measured, runtime_verdict=cpu if cpu in ("slower", "faster") else wall, error_verdict=error
-    )
+    runtime = cpu if cpu in ("slower", "faster") else wall
+    if measured.seconds < SHORTEST_S:
+        runtime = "too short"
+    return replace(measured, runtime_verdict=runtime, error_verdict=error)
 
 
 def _facts(environment: Mapping[str, object]) -> dict[str, str]:

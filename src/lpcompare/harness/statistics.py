@@ -100,9 +100,9 @@ def holm(p_values: Sequence[float]) -> list[float]:
 
 
 def verdict(difference: Difference | None, p_value: float, more: str, less: str) -> str:
-    """What an adjusted p-value allows to say: ``more``, ``less``, "no difference" or "too few pairs"."""
+    """What an adjusted p-value allows to say; "n.s." is not significant."""
     if difference is None or difference.n < 2:
         return "too few pairs"
     if p_value >= LEVEL:
-        return "no difference"
+        return "n.s."
     return more if difference.mean > 0 else less

@@ -14,7 +14,7 @@ from scipy.spatial import KDTree
 
 T = TypeVar("T")
 
-_REFERENCE_POINTS, _REFERENCE_ROUNDS = 4000, 3
+_REFERENCE_POINTS, _REFERENCE_ROUNDS = 2000, 3
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,7 @@ class MethodRatio:
         Of the logarithms of eq. 27 errors and of seconds; one difference per model, damage, reduction and
         seed, after the mean over repeats, because repeats of one case are not independent.
     error_verdict, runtime_verdict : str
-        "better", "worse", "faster", "slower", "no difference" or "too few pairs".
+        "better", "worse", "faster", "slower", "n.s." or "too few pairs".
     """
 
     variant: str

@@ -126,7 +126,7 @@ def check_target(path: str | os.PathLike[str]) -> None:
 def beside(path: Path) -> Iterator[Path]:
     """A file in the same folder that takes the name ``path`` once the block has ended well."""
     target = _real_target(path)
-    part = target.with_name(f".{target.stem}.{os.getpid()}{target.suffix}")
+    part = target.with_name(f".{os.getpid()}.{target.name}")
     try:
         yield part
         os.replace(part, target)
@@ -198,4 +198,6 @@ def _writable(path: Path) -> str:
     suffix = path.suffix.lower()
     if suffix not in _FAMILY:
         raise InputError(f"Files {suffix!r} cannot be written ({path}). Known: {' '.join(sorted(_FAMILY))}.")
+    if path.name.lower().endswith(".copc.laz"):
+        raise InputError(f"{path}: COPC cannot be written; name a file that ends in .laz alone.")
     return _FAMILY[suffix]

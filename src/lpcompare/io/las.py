@@ -10,7 +10,6 @@ import numpy as np
 from laspy.vlrs.vlrlist import VLRList
 from numpy.typing import NDArray
 
-from lpcompare.errors import InputError
 from lpcompare.io.checks import checked_points
 from lpcompare.types import Indices, PointCloud
 
@@ -53,8 +52,6 @@ def write(path: Path, cloud: PointCloud) -> None:
 
 def keep_rows(source: Path, target: Path, rows: Indices) -> None:
     """The same file with some of its points; a COPC becomes a plain LAZ, because its tree no longer holds."""
-    if target.name.lower().endswith(".copc.laz"):
-        raise InputError(f"{target.name}: COPC cannot be written; name a file that ends in .laz alone.")
     file = _open(source)
     file.points = laspy.ScaleAwarePointRecord(
         file.points.array[rows], file.point_format, file.header.scales, file.header.offsets

@@ -18,6 +18,7 @@ from lpcompare.types import Indices, PointCloud
 HOLDS = frozenset({"normals", "colors", "attributes"})
 
 _COMMENTS = (b"#", b"//")
+_BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 _NUMBER = re.compile(rb"[+-]?(\d|\.\d|nan|inf)", re.IGNORECASE)
 _DECIMAL_COMMA = re.compile(rb"\d,\d+(\s+|;)[+-]?\d+,\d")
 
@@ -82,29 +83,34 @@ def _take_apart(path: Path) -> _Table:
     Raises
     ------
     ValueError
-        Decimal commas, words between the numbers, or fewer rows than the file says.
+        Decimal commas, words between the numbers, or another number of rows than the file says.
     """
     lines = path.read_bytes().splitlines(keepends=True)
-    rows, names, count_line = [], [], None
+    rows, names, count_line = list[int](), b"", None
     for i, line in enumerate(lines):
-        text = line.strip().removeprefix(b"\xef\xbb\xbf")
-        if not text:
-            continue
-        if not _NUMBER.match(text):
-            if rows and not text.startswith(_COMMENTS):
-                raise ValueError(f"line {i + 1} is {text[:40]!r}, not numbers")
-            names = names if rows else _separated(text.lstrip(b"#/")).decode("utf-8", "replace").split()
-        elif not rows and count_line is None and len(_separated(text).split()) == 1:
-            count_line = i
-        else:
-            rows.append(i)
-    if rows and _DECIMAL_COMMA.search(lines[rows[0]]):
-        raise ValueError("its numbers have decimal commas; replace them by points")
+        text = line.strip().removeprefix(_BYTE_ORDER_MARK)
+        if text.startswith(_COMMENTS):
+            names = text.lstrip(b"#/") if not rows else names
+        elif _NUMBER.match(text):
+            if rows or count_line is not None or len(_separated(text).split()) > 1:
+                rows.append(i)
+            else:
+                count_line = i
+        elif text and any(other.strip() for other in lines[:i] if not other.startswith(_COMMENTS)):
+            raise ValueError(f"line {i + 1} is {text[:40]!r}, not numbers")
+        elif text:
+            names = text
+    _check_rows(lines, rows, count_line)
+    return _Table(lines, rows, _separated(names).decode("utf-8", "replace").split(), count_line)
+
+
+def _check_rows(lines: list[bytes], rows: list[int], count_line: int | None) -> None:
     if not rows:
         raise ValueError("it has no rows of numbers")
+    if _DECIMAL_COMMA.search(lines[rows[0]]):
+        raise ValueError("its numbers have decimal commas; replace them by points")
     if count_line is not None and int(lines[count_line]) != len(rows):
         raise ValueError(f"it promises {int(lines[count_line])} points and holds {len(rows)}")
-    return _Table(lines, rows, names, count_line)
 
 
 def _separated(line: bytes) -> bytes:

@@ -64,7 +64,9 @@ class Mixture:
 
     def responsibilities(self, points: Points) -> NDArray[np.float64]:
         """Membership probabilities P(c | x_i) of eq. 1 for points (n, 3) in the fit's units: (n, K)."""
-        logits = _features(points) @ _log_density_coefficients(self)
+        middle = self.means.mean(axis=0)
+        near_origin = replace(self, means=self.means - middle)
+        logits = _features(points - middle) @ _log_density_coefficients(near_origin)
         densities = np.exp(logits - logits.max(axis=1, keepdims=True))
         return densities / densities.sum(axis=1, keepdims=True)
 

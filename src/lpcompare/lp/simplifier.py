@@ -114,6 +114,8 @@ class LPSimplifier(BaseEstimator):
         eqs. 12-26 as they stand, with k = 1 / PR.
     n_clusters : int or "auto"
         Components of the mixture, cut to the number of distinct points; "auto" takes the number of least BIC.
+        Clouds of more than 50,000 points are fitted on a random subsample of 50,000, and the fit is applied
+        to all points.
     n_neighbors : int
         Points per curvature fit, the point itself among them.
     retention : {"exact-count", "keep-features"}

@@ -60,7 +60,7 @@ def print_filter_parameter_list(filter_name: str) -> None:
     for parameter in FILTERS[filter_name].parameters:
         default = f"'{parameter.default}'" if isinstance(parameter.default, str) else parameter.default
         choices = f" (or int, {len(parameter.choices)} values)" if parameter.choices else ""
-        sys.stdout.write(f"\t{parameter.name} : {parameter.type.__name__}{choices} = {default}\n")
+        sys.stdout.write(f"\t{parameter.name} : {parameter.type_name}{choices} = {default}\n")
 
 
 def _checked(filter_: Filter, layers: Any, given: dict[str, Any]) -> dict[str, Any]:

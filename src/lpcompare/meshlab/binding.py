@@ -11,6 +11,7 @@ from lpcompare.mesh_library import pymeshlab
 from lpcompare.meshlab.application import apply_filter
 from lpcompare.meshlab.filters import FILTERS, Filter
 from lpcompare.meshlab.layers import ATTRIBUTE_NAMES
+from lpcompare.meshlab.parameters import LENGTH
 
 _NAMING = ("add_vertex_custom_scalar_attribute", "add_vertex_custom_point_attribute")
 _LOCK = RLock()
@@ -70,7 +71,8 @@ def _method(filter_: Filter) -> Any:
 def _signature(filter_: Filter) -> inspect.Signature:
     kinds = inspect.Parameter
     own = [
-        kinds(p.name, kinds.KEYWORD_ONLY, default=p.default, annotation=p.type) for p in filter_.parameters
+        kinds(p.name, kinds.KEYWORD_ONLY, default=p.default, annotation=LENGTH if p.length else p.type)
+        for p in filter_.parameters
     ]
     return inspect.Signature([kinds("self", kinds.POSITIONAL_OR_KEYWORD), *own], return_annotation=dict)
 

@@ -30,9 +30,7 @@ class Filter:
     @property
     def documentation(self) -> str:
         """Text for help(): what the function's docstring says, then every parameter."""
-        lines = [
-            f"    {p.name} : {p.type.__name__} = {p.default!r}\n        {p.doc}" for p in self.parameters
-        ]
+        lines = [f"    {p.name} : {p.type_name} = {p.default!r}\n        {p.doc}" for p in self.parameters]
         return "\n".join([(self.run.__doc__ or "").strip(), "", "    Parameters", "    ----------", *lines])
 
 

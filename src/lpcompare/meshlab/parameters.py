@@ -9,6 +9,7 @@ from typing import Any
 
 from lpcompare.mesh_library import pymeshlab
 
+LENGTH = "PercentageValue"
 _RICH = {int: "RichInt", float: "RichFloat", bool: "RichBool", str: "RichEnum"}
 
 
@@ -30,6 +31,8 @@ class Parameter:
         Of a choice, which may also be given by its number.
     layer : bool
         An int that is the id of a layer.
+    length : bool
+        A pymeshlab.PercentageValue of the bounding-box diagonal or a pymeshlab.PureValue; 0 or None: none.
     """
 
     name: str
@@ -40,10 +43,18 @@ class Parameter:
     high: float = math.inf
     choices: tuple[str, ...] = ()
     layer: bool = False
+    length: bool = False
+
+    @property
+    def type_name(self) -> str:
+        """The type's name in Python."""
+        return LENGTH if self.length else self.type.__name__
 
     @property
     def rich_type(self) -> str:
         """The type's name in a filter script."""
+        if self.length:
+            return "RichAbsPerc"
         return "RichMesh" if self.layer else _RICH[self.type]
 
     def checked(self, value: Any, layers: Any) -> Any:
@@ -52,6 +63,8 @@ class Parameter:
             return self._choice(value)
         if self.layer:
             return self._layer(value, layers)
+        if self.length:
+            return self._length(value)
         if self.type is bool:
             if isinstance(value, bool) or type(value).__name__ == "bool_":
                 return bool(value)
@@ -65,6 +78,8 @@ class Parameter:
 
     def parsed(self, text: str) -> Any:
         """The value of its text in a filter script, not yet checked."""
+        if self.length:
+            return _length_of(text)
         if self.type is bool:
             return {"true": True, "false": False}.get(text.lower(), text)
         try:
@@ -76,6 +91,9 @@ class Parameter:
         """The text of a value in a filter script; of a choice its number, as MeshLab writes it."""
         if self.choices:
             return str(self.choices.index(value))
+        if self.length:
+            percent = isinstance(value, pymeshlab().PercentageValue)
+            return "0%" if value is None else f"{value.value()!r}{'%' if percent else ''}"
         return str(value).lower() if self.type is bool else repr(value)
 
     def _choice(self, value: Any) -> str:
@@ -95,6 +113,17 @@ class Parameter:
             )
         raise self._wrong(value, f"one of {listed}")
 
+    def _length(self, value: Any) -> Any:
+        known = pymeshlab()
+        if value is not None and not isinstance(value, known.PercentageValue | known.PureValue):
+            raise known.PyMeshLabException(
+                f"Parameter {self.name}: must be a pymeshlab.PercentageValue object or a "
+                "pymeshlab.PureValue object. Other type values are not accepted."
+            )
+        if value is not None and not 0 <= value.value() < math.inf:
+            raise self._wrong(value.value(), "from 0 up")
+        return value if value is not None and value.value() > 0 else None
+
     def _layer(self, value: Any, layers: Any) -> int:
         if value is None:
             return layers.current_mesh_id()
@@ -109,3 +138,12 @@ class Parameter:
         return pymeshlab().PyMeshLabException(
             f"Parameter {self.name}: must be {allowed}. {value!r} ({type(value).__name__}) is not accepted."
         )
+
+
+def _length_of(text: str) -> Any:
+    """The length of its text, "2.5%" or "0.01"; other text as it is, for the check to refuse."""
+    known = pymeshlab()
+    try:
+        return known.PercentageValue(float(text[:-1])) if text.endswith("%") else known.PureValue(float(text))
+    except ValueError:
+        return text

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 from lpcompare.errors import InputError
+from lpcompare.geometry.scale import bounding_box_diagonal
 from lpcompare.lp.simplifier import LPSimplifier, simplify
-from lpcompare.lp.uniform_simplifier import simplify_uniformly
+from lpcompare.lp.uniform_simplifier import UniformReducer
+from lpcompare.mesh_library import pymeshlab
 from lpcompare.meshlab.layers import add_subset, coordinates, used_rows
 from lpcompare.meshlab.parameters import Parameter
-from lpcompare.types import Points, Simplification
+from lpcompare.types import Points
 
 _FORMULATIONS = {"Density preserving": "lp_density", "As printed": "lp_printed"}
 _RETENTIONS = {"Exact count": "exact-count", "Keep features": "keep-features"}
@@ -19,13 +21,20 @@ _RETENTIONS = {"Exact count": "exact-count", "Keep features": "keep-features"}
 _DEFAULTS = LPSimplifier().get_params()
 _UNIFORM_DEFAULTS = {
     name: p.default
-    for name, p in inspect.signature(simplify_uniformly).parameters.items()
+    for name, p in inspect.signature(UniformReducer).parameters.items()
     if p.kind is p.KEYWORD_ONLY
 }
 
 _HOW_MANY = (
     Parameter("samplenum", int, 1000, "Number of points to keep; at most those there are.", low=1),
     Parameter("targetperc", float, 0.0, "If not 0, the share of the points to keep instead.", 0.0, 1.0),
+    Parameter(
+        "maxerror",
+        float,
+        None,
+        "If not 0, the largest eq. 27 error instead: as few points are kept as it allows.",
+        length=True,
+    ),
     Parameter("clusternum", int, _DEFAULTS["n_clusters"], "Components of the Gaussian mixture (K).", low=1),
     Parameter("neighbornum", int, _DEFAULTS["n_neighbors"], "Points of each curvature fit.", low=1),
 )
@@ -85,16 +94,11 @@ def simplify_layer(layers: Any, values: Mapping[str, Any]) -> dict[str, Any]:
         layers,
         values,
         "LP simplified cloud",
-        lambda points, count: simplify(
-            points,
-            target_count=count,
-            method=_FORMULATIONS[values["formulation"]],
-            retention=_RETENTIONS[values["retention"]],
-            n_clusters=values["clusternum"],
-            n_neighbors=values["neighbornum"],
-            feature_share=values["featureshare"],
-            random_state=values["randomseed"],
-        ),
+        {
+            "method": _FORMULATIONS[values["formulation"]],
+            "retention": _RETENTIONS[values["retention"]],
+            "feature_share": values["featureshare"],
+        },
     )
 
 
@@ -109,26 +113,29 @@ def simplify_layer_uniformly(layers: Any, values: Mapping[str, Any]) -> dict[str
         layers,
         values,
         "Uniform LP simplified cloud",
-        lambda points, count: simplify_uniformly(
-            points,
-            target_count=count,
-            n_clusters=values["clusternum"],
-            n_neighbors=values["neighbornum"],
-            n_rounds=values["exchangenum"],
-            density_tolerance=values["densitytolerance"],
-            random_state=values["randomseed"],
-        ),
+        {
+            "method": "lp_uniform",
+            "n_rounds": values["exchangenum"],
+            "density_tolerance": values["densitytolerance"],
+        },
     )
 
 
 def _generate(
-    layers: Any, values: Mapping[str, Any], label: str, method: Callable[[Points, int], Simplification]
+    layers: Any, values: Mapping[str, Any], label: str, settings: Mapping[str, Any]
 ) -> dict[str, Any]:
     """Reduce the vertices that are asked for, in world coordinates, and add those that stay."""
     source = layers.current_mesh()
     rows = used_rows(source, values["selected"])
     points = coordinates(source)[rows]
-    result = method(points, _count(len(points), values))
+    result = simplify(
+        points,
+        **_target(points, values),
+        n_clusters=values["clusternum"],
+        n_neighbors=values["neighbornum"],
+        random_state=values["randomseed"],
+        **settings,
+    )
     kept = rows[result.indices]
     add_subset(layers, source, kept, label)
     return {
@@ -139,12 +146,18 @@ def _generate(
     }
 
 
-def _count(n_points: int, values: Mapping[str, Any]) -> int:
-    """Points to keep: the share if there is one, else the number."""
+def _target(points: Points, values: Mapping[str, Any]) -> dict[str, Any]:
+    """How much `lpcompare.simplify` is to keep: by error if one is given, else by share, else by number."""
+    n_points, length = len(points), values["maxerror"]
+    if length is not None:
+        diagonal = bounding_box_diagonal(points)
+        if isinstance(length, pymeshlab().PercentageValue):
+            return {"max_error": length.value()}
+        return {"max_error": 100 * length.value() / diagonal if diagonal > 0 else 0.0}
     if values["targetperc"] > 0:
-        return max(1, int(round(values["targetperc"] * n_points, 9)))
+        return {"target_count": max(1, int(round(values["targetperc"] * n_points, 9)))}
     if values["samplenum"] > n_points:
         raise InputError(
             f"Parameter samplenum: {values['samplenum']} points are asked of {n_points}; ask for fewer."
         )
-    return values["samplenum"]
+    return {"target_count": values["samplenum"]}

@@ -28,3 +28,8 @@ def notes(records: Iterable[Record]) -> list[str]:
         for note in sentences
         for line in textwrap.wrap(note, WIDTH - 2, initial_indent="  ", subsequent_indent="    ")
     ]
+
+
+def cut(name: str, width: int = 30) -> str:
+    """A name that fits a column; a longer one ends in two dots."""
+    return name if len(name) <= width else f"{name[: width - 2]}.."

@@ -6,11 +6,17 @@ import math
 import textwrap
 
 from lpcompare.errors import InputError
-from lpcompare.harness.compare import RUNTIME_MARGIN, MethodDifference, compare_runs, differing_environment
+from lpcompare.harness.compare import (
+    RUNTIME_MARGIN,
+    MethodDifference,
+    compare_runs,
+    differing_environment,
+    was_busy,
+)
 from lpcompare.harness.record import Run
 from lpcompare.harness.statistics import Difference
 from lpcompare.harness.within import BASELINE, compare_methods
-from lpcompare.report.alignment import WIDTH, align
+from lpcompare.report.alignment import WIDTH, align, cut
 from lpcompare.report.cells import gather_cells
 from lpcompare.report.columns import headings
 from lpcompare.report.ranks import rank_over_models
@@ -38,7 +44,7 @@ def format_methods(run: Run) -> str:
     """The methods of one run against Poisson disk; their ranks where there are models enough."""
     rows = [
         (
-            textwrap.shorten(row.variant, 24, placeholder=".."),
+            cut(row.variant),
             str(row.error.n),
             f"{math.exp(row.error.mean):.3f}",
             _ratios(row.error),
@@ -54,7 +60,7 @@ def format_methods(run: Run) -> str:
     lines = align([head, *rows], frozenset({0, 4, 6}))
     text = (
         f"Ratios to {BASELINE}, geometric means over the cases (model, damage, reduction, seed). Called "
-        "different at 5 % over all methods (paired t on logarithms, Holm)."
+        "different at 5 % over all methods (paired t on logarithms, Holm); n.s.: not significant."
     )
     return "\n".join(
         [lines[0], "-" * max(map(len, lines)), *lines[1:], *textwrap.wrap(text, WIDTH), *_ranks(run)]
@@ -76,7 +82,7 @@ def _ranks(run: Run) -> list[str]:
 def _row(difference: MethodDifference) -> tuple[str, ...]:
     error = difference.error
     return (
-        textwrap.shorten(difference.variant, 22, placeholder=".."),
+        cut(difference.variant, 29),
         str(difference.n_pairs),
         _ratios(difference.wall),
         _ratios(difference.cpu),
@@ -94,11 +100,14 @@ def _ratios(difference: Difference | None) -> str:
 
 
 def _legend(first: Run, second: Run) -> str:
+    busy = any(was_busy(run) for run in (first, second))
     parallel = any(run.plan.get("jobs", 1) > 1 for run in (first, second))
-    warning = " Cases ran side by side: the runtimes are unreliable." if parallel else ""
     return (
         "Ratios: second run over first, 95 % interval of the geometric mean over the pairs, by wall clock "
         "and in processor time, both in units of a fixed piece of work done around each call. eq. 27: % "
-        "of the diagonal; same: pairs with identical points. Called different at 5 % over all methods (paired"
-        f" t on logarithms, Holm), runtimes only beyond {100 * RUNTIME_MARGIN:g} %.{warning}"
+        "of the diagonal; same: pairs with identical points. Called different at 5 % over all methods "
+        f"(paired t on logarithms, Holm), runtimes only beyond {100 * RUNTIME_MARGIN:g} %; "
+        "n.s.: not significant; too short: below 5 ms."
+        + " The machine was busy in one of the runs: only processor time is judged." * busy
+        + " Cases ran side by side: the runtimes are unreliable." * parallel
     )

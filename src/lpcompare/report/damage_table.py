@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from statistics import fmean
 
 from lpcompare.harness.record import Record
-from lpcompare.report.alignment import WIDTH, align, notes
+from lpcompare.report.alignment import WIDTH, align, cut, notes
 
 Curves = dict[str, dict[float, float]]
 
@@ -50,7 +50,7 @@ def _table(title: str, curves: Curves) -> str:
     head = ("method", *(f"{level:g}" if level else "clean" for level in levels), "growth")
     ordered = sorted(curves.items(), key=lambda item: _rank(item[1].get(levels[-1], math.nan)))
     rows = [
-        (name[:30], *(_cell(curve.get(level, math.nan)) for level in levels), _growth_cell(curve, levels[-1]))
+        (cut(name), *(_cell(curve.get(level, math.nan)) for level in levels), _growth_cell(curve, levels[-1]))
         for name, curve in ordered
     ]
     lines = align([head, *rows])

@@ -9,7 +9,7 @@ from statistics import median
 
 from lpcompare.harness.record import Record, Run
 from lpcompare.harness.within import BASELINE
-from lpcompare.report.alignment import WIDTH, align, notes
+from lpcompare.report.alignment import WIDTH, align, cut, notes
 from lpcompare.report.damage_table import format_damage
 
 _HEAD = ("method", "asked", "got", "points", "mesh", "eq. 27 %", "vs Poisson", "runtime", "status")
@@ -56,7 +56,7 @@ def _row(name: str, group: list[Record], base: float) -> tuple[str, ...]:
     mesh = {True: "needed", False: "no", None: "-"}[first.needs_mesh]
     times = [r.runtime_s for r in good if r.runtime_s is not None]
     return (
-        textwrap.shorten(name, 24, placeholder="..") + (" +refine" if first.refined else ""),
+        cut(name + (" +refine" if first.refined else "")),
         f"{first.target_count:,}",
         "-" if not counts else f"{counts[0]:,}" if len(counts) == 1 else f"{counts[0]:,}..{counts[-1]:,}",
         kind,

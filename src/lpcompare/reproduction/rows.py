@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from lpcompare.reproduction.table import text
 from lpcompare.types import Vector
 
 Rows = Sequence[Mapping[str, str]]
@@ -14,7 +15,7 @@ Rows = Sequence[Mapping[str, str]]
 
 def where(rows: Rows, **wanted: Any) -> list[Mapping[str, str]]:
     """The rows whose columns have the values given."""
-    return [r for r in rows if all(r[name] == str(value) for name, value in wanted.items())]
+    return [r for r in rows if all(r[name] == text(value) for name, value in wanted.items())]
 
 
 def values(rows: Rows, column: str, **wanted: Any) -> Vector:

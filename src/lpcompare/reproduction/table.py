@@ -38,36 +38,37 @@ class Table:
             yield case
 
     def _key(self, row: Row) -> tuple[str, ...]:
-        return tuple(str(row[k]) for k in self.keys)
+        return tuple(text(row[k]) for k in self.keys)
 
     def _append(self, row: Row) -> None:
-        text = {name: _text(value) for name, value in row.items()}
+        cells = {name: text(value) for name, value in row.items()}
         with self.path.open("a", newline="", encoding="utf-8") as file:
-            writer = csv.DictWriter(file, list(text), lineterminator="\n")
+            writer = csv.DictWriter(file, list(cells), lineterminator="\n")
             if not self.rows:
                 writer.writeheader()
-            writer.writerow(text)
+            writer.writerow(cells)
             file.flush()
             os.fsync(file.fileno())
-        self.rows.append(text)
-        self._done.add(self._key(text))
+        self.rows.append(cells)
+        self._done.add(self._key(cells))
 
     def _read(self) -> list[dict[str, str]]:
-        text = self.path.read_text(encoding="utf-8")
-        whole = text[: text.rfind("\n") + 1]
-        if whole != text:
+        found = self.path.read_text(encoding="utf-8")
+        whole = found[: found.rfind("\n") + 1]
+        if whole != found:
             self._rewrite(whole)
         rows = list(csv.DictReader(whole.splitlines()))
         if rows and not set(self.keys) <= rows[0].keys():
             raise InputError(f"{self.path} is not a table of this command; name another folder with --out.")
         return rows
 
-    def _rewrite(self, text: str) -> None:
+    def _rewrite(self, whole: str) -> None:
         """Drop a last line that was cut off in the middle."""
         beside = self.path.with_suffix(".partial")
-        beside.write_text(text, encoding="utf-8")
+        beside.write_text(whole, encoding="utf-8")
         os.replace(beside, self.path)
 
 
-def _text(value: object) -> str:
+def text(value: object) -> str:
+    """A value as it stands in a table: six digits of a number that is not whole."""
     return f"{value:.6g}" if isinstance(value, float) else str(value)

@@ -32,7 +32,7 @@ def test_a_target_between_two_steps_gives_the_nearer_step():
     count, calls = counter(lambda size: 100 if size < 1 else 40)
     assert count(search_size(count, 90, 5.0)) == 100
     assert count(search_size(count, 45, 5.0)) == 40
-    assert len(calls) <= 2 * 40 + 2
+    assert len(calls) <= 2 * 60 + 2
 
 
 def test_a_scattering_count_is_met_though_no_bracket_holds():

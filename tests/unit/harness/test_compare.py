@@ -56,20 +56,37 @@ def test_the_same_program_twice_is_called_different_at_most_at_the_level(rng):
     alarms = 0
     for _ in range(60):
         rows = compare_runs(run_of(rng), run_of(rng))
-        alarms += any(row.runtime_verdict != "no difference" for row in rows)
+        alarms += any(row.runtime_verdict != "n.s." for row in rows)
         assert all(row.error_verdict == "identical" for row in rows)
     assert alarms <= 0.05 * 60
 
 
 def test_a_busy_machine_is_not_a_slower_method(rng):
     rows = compare_runs(run_of(rng), run_of(rng, busy=2.0))
-    assert all(row.runtime_verdict == "no difference" for row in rows)
+    assert all(row.runtime_verdict == "n.s." for row in rows)
+
+
+def test_a_wall_clock_disturbed_by_other_programs_is_not_judged(rng):
+    """A call too short to be interrupted looks fast beside reference work that was interrupted."""
+    disturbed = run_of(rng)
+    waited = tuple(replace(r, reference_s=3 * r.reference_s) for r in disturbed.records)
+    rows = compare_runs(run_of(rng), replace(disturbed, records=waited))
+    assert all(row.runtime_verdict == "n.s." for row in rows)
+    assert all(row.wall.mean < -0.9 for row in rows), "the ratio itself is shown"
+
+
+def test_calls_too_short_to_judge_are_not_judged(rng):
+    def short(run):
+        return replace(run, records=tuple(replace(r, runtime_s=r.runtime_s / 1000) for r in run.records))
+
+    rows = compare_runs(short(run_of(rng)), short(run_of(rng, slower=2.0)))
+    assert [row.runtime_verdict for row in rows] == ["too short", "too short"]
 
 
 def test_a_fifth_slower_is_found_and_the_other_method_is_not_blamed(rng):
     other, ours = compare_runs(run_of(rng), run_of(rng, slower=1.2))
     assert ours.runtime_verdict == "slower"
-    assert other.runtime_verdict == "no difference"
+    assert other.runtime_verdict == "n.s."
     assert math.exp(ours.wall.mean) == pytest.approx(1.2, rel=0.06)
     assert compare_runs(run_of(rng, slower=1.2), run_of(rng))[1].runtime_verdict == "faster"
 
@@ -96,7 +113,7 @@ def test_runs_without_reference_work_are_compared_in_seconds(rng):
         return replace(run, records=tuple(replace(r, reference_s=None, cpu_s=None) for r in run.records))
 
     rows = compare_runs(bare(run_of(rng)), bare(run_of(rng, slower=1.5)))
-    assert [row.runtime_verdict for row in rows] == ["no difference", "slower"]
+    assert [row.runtime_verdict for row in rows] == ["n.s.", "slower"]
     assert rows[0].cpu is None
 
 

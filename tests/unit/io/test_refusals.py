@@ -147,7 +147,7 @@ def test_damaged_files_are_read_or_refused(suffix, cloud, tmp_path):
     path = tmp_path / f"a{suffix}"
     write_point_cloud(path, PointCloud(cloud.points[:40], colors=cloud.colors[:40]))
     content, chance, sentences = path.read_bytes(), random.Random(5), []
-    for _ in range(8 if suffix in (".las", ".laz") else 150):
+    for _ in range(4 if suffix in (".las", ".laz") else 150):
         path.write_bytes(mutated(content, chance))
         try:
             assert np.isfinite(read_point_cloud(path).points).all()
@@ -171,3 +171,28 @@ def mutated(content, chance):
         elif chance.random() < 0.2:
             del data[at:]
     return bytes(data)
+
+
+@pytest.mark.parametrize("suffix", [".3ds", ".stl", ".dae", ".x3d", ".wrl", ".e57"])
+def test_half_of_a_file_of_meshlab_is_refused(suffix, cloud, tmp_path):
+    pymeshlab = pytest.importorskip("pymeshlab")
+    layers = pymeshlab.MeshSet()
+    layers.add_mesh(pymeshlab.Mesh(cloud.points, np.arange(300).reshape(100, 3)))
+    path = tmp_path / f"a{suffix}"
+    layers.save_current_mesh(str(path))
+    assert len(read_point_cloud(path)) == 300
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    refused(path)
+
+
+def test_half_of_an_ascii_stl_is_refused(cloud, tmp_path):
+    corner = "outer loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n"
+    (tmp_path / "a.stl").write_text("solid a\n" + f"facet normal 0 0 1\n{corner}" * 2)
+    assert "endsolid" in refused(tmp_path / "a.stl")
+
+
+def test_grids_and_words_are_not_taken_for_points(tmp_path):
+    (tmp_path / "a.asc").write_text("ncols 3\nnrows 2\n1 2 3\n4 5 6\n")
+    assert "line 2 is b'nrows 2'" in refused(tmp_path / "a.asc")
+    (tmp_path / "a.txt").write_text("x y z\n1 2 3\nend\n")
+    assert "line 3 is b'end'" in refused(tmp_path / "a.txt")

@@ -227,3 +227,35 @@ def test_formats_of_meshlab_are_read_through_it(cloud, tmp_path):
         assert again.faces.shape == (50, 3)
         corners = (cloud.points - UTM)[cloud.faces]
         assert np.allclose(again.points[again.faces], corners, atol=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("text", "names"),
+    [
+        ("//X Y Z R G B\n1 2 3 4 5 6\n", {"r", "g", "b"}),
+        ("\ufeffx;y;z\n1;2;3\n", set()),
+        ("# a scan\n# of a room\n1, 2, 3, 4\n", {"column_4"}),
+        ("1\n1 2 3\n", set()),
+    ],
+)
+def test_text_headers_of_other_programs(text, names, tmp_path):
+    (tmp_path / "a.txt").write_text(text, encoding="utf-8")
+    cloud = read_point_cloud(tmp_path / "a.txt")
+    assert cloud.points.tolist() == [[1, 2, 3]]
+    assert set(cloud.attributes) == names
+
+
+def test_a_copc_becomes_a_plain_laz(rng, tmp_path):
+    header = laspy.LasHeader(version="1.4", point_format=7)
+    header.vlrs.append(laspy.VLR("copc", 1, "", bytes(160)))
+    las = laspy.LasData(header)
+    las.x, las.y, las.z = rng.normal(size=(3, N))
+    las.evlrs = laspy.vlrs.vlrlist.VLRList([laspy.VLR("copc", 1000, "", bytes(32))])
+    las.write(str(tmp_path / "a.copc.laz"))
+    keep_rows(tmp_path / "a.copc.laz", tmp_path / "b.laz", ROWS)
+    kept = laspy.read(tmp_path / "b.laz")
+    assert kept.header.point_count == len(ROWS)
+    assert "copc" not in {record.user_id for record in [*kept.vlrs, *(kept.evlrs or [])]}
+    assert np.array_equal(kept.X, las.X[ROWS])
+    with pytest.raises(InputError, match="COPC cannot be written"):
+        keep_rows(tmp_path / "a.copc.laz", tmp_path / "c.copc.laz", ROWS)

@@ -1,6 +1,11 @@
 """The whole filter: what it reports, what it refuses, and its laws."""
 
+import os
+import signal
+import subprocess
+import sys
 import threading
+import time
 
 import numpy as np
 import pytest
@@ -62,6 +67,14 @@ def test_mixture_and_curvature_are_in_model_units():
     assert np.median(fitted.curvature_.absolute) == pytest.approx(
         np.median(LPSimplifier(target_reduction=0.5).fit(bumpy(800)).curvature_.absolute) / 50, rel=1e-6
     )
+
+
+def test_responsibilities_survive_coordinates_far_from_the_origin():
+    points = bumpy(800)
+    far = points + np.array([5e5, 4e6, 120.0])
+    fits = [LPSimplifier(target_reduction=0.5, n_clusters=4).fit(p) for p in (points, far)]
+    near, other = (f.responsibilities(p) for f, p in zip(fits, (points, far), strict=True))
+    assert np.allclose(near, other, atol=1e-5)
 
 
 def test_fit_resample_returns_the_kept_points(fitted):
@@ -170,6 +183,39 @@ def test_an_interrupt_leaves_no_thread_behind(monkeypatch, stage):
     with pytest.raises(KeyboardInterrupt):
         lpcompare.simplify(bumpy(5000), target_count=400, callback=interrupt)
     assert threading.active_count() == before
+
+
+SLOW = """
+import numpy as np
+from lpcompare.lp import certificate, enumeration, selection
+import lpcompare
+# no selection is good enough and none is counted: HiGHS has to search until it is stopped
+certificate.TOLERANCE = selection.TOLERANCE = 1e-14
+enumeration._MOST_SUMS = 10
+points = np.random.default_rng(0).normal(size=(900, 3))
+print("begin", flush=True)
+try:
+    lpcompare.simplify(points, target_count=300, n_clusters=3, time_limit=600.0)
+except KeyboardInterrupt:
+    import threading
+    print("stopped", threading.active_count())
+"""
+
+
+@pytest.mark.parametrize("threads", ["1", "2"])
+def test_ctrl_c_stops_highs_and_its_threads(threads):
+    environment = os.environ | {"LPCOMPARE_THREADS": threads}
+    with subprocess.Popen(
+        [sys.executable, "-c", SLOW], env=environment, stdout=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stdout.readline() == "begin\n"
+        time.sleep(3)
+        assert process.poll() is None, "the search ended before it could be stopped"
+        process.send_signal(signal.SIGINT)
+        try:
+            assert process.communicate(timeout=100)[0] == "stopped 1\n"
+        finally:
+            process.kill()
 
 
 POINTS = bumpy(50)

@@ -122,3 +122,16 @@ def test_a_cloud_of_one_vertex_and_of_duplicates(pymeshlab, installed):
         layers = pymeshlab.MeshSet()
         layers.add_mesh(pymeshlab.Mesh(points))
         assert layers.generate_simplified_point_cloud_linear_programming(samplenum=1)["sample_num"] == 1
+
+
+def test_the_error_may_choose_the_count_as_a_percentage_or_a_length(layers, pymeshlab):
+    name = "generate_simplified_point_cloud_uniform_linear_programming"
+    found = getattr(layers, name)(maxerror=pymeshlab.PercentageValue(0.5), clusternum=2)
+    error = layers.get_plane_error()
+    assert error["mean_percent"] <= 0.5
+    length = pymeshlab.PureValue(0.005 * error["diag_mesh_0"])
+    layers.set_current_mesh(0)
+    again = getattr(layers, name)(maxerror=length, clusternum=2)
+    assert abs(again["sample_num"] - found["sample_num"]) <= 0.02 * found["sample_num"]
+    with pytest.raises(pymeshlab.PyMeshLabException, match=r"must be a pymeshlab\.PercentageValue object"):
+        getattr(layers, name)(maxerror=0.5)

@@ -59,7 +59,8 @@ def test_every_figure_is_written_in_every_format(plain_run, tmp_path):
     paths = write_figures(load_run(plain_run), tmp_path)
     assert {p.suffix[1:] for p in paths} == set(FORMATS)
     assert {p.stem for p in paths} == {
-        f"dented-{n}" for n in ("error-runtime", "error-points", "ratio", "stages", "kept", "errors", "surfaces")
+        f"dented-{n}"
+        for n in ("error-runtime", "error-points", "ratio", "stages", "kept", "errors", "surfaces")
     }
     heads = {".png": b"\x89PNG", ".pdf": b"%PDF", ".svg": b"<?xml"}
     assert all(p.read_bytes().startswith(heads[p.suffix]) for p in paths)

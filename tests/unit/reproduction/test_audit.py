@@ -38,13 +38,29 @@ def test_the_papers_count_is_confirmed_within_one_per_cent(count, verdict):
 
 
 @pytest.mark.parametrize(("grown", "verdict"), [(2.0, "confirmed"), (9.0, "refuted")])
-def test_robust_means_growing_less_than_a_random_choice(grown, verdict):
+def test_robust_means_losing_less_than_a_random_choice(grown, verdict):
     rows = [
         {"model": "m", "method": method, "kind": kind, "level": level, "plane_error_k8_pct": str(error)}
-        for method, last in (("lp_density", grown), ("random_sample", 3.0))
-        for kind, level, error in (("none", "0.0", 1.0), ("noise", "1.0", last), ("outliers", "0.05", last))
+        for method, last in (("lp_printed", grown), ("lp_density", grown), ("random_sample", 3.0))
+        for kind, level, error in (("none", "0", 1.0), ("noise", "1", last), ("outliers", "0.05", last))
     ]
     assert audit.robustness({"robustness": rows}, "m").verdict == verdict
+
+
+@pytest.mark.parametrize(
+    ("errors_by_share", "verdict"),
+    [
+        ({0.0: 3, 0.5: 2, 1.0: 1}, "confirmed"),
+        ({0.0: 2, 0.5: 1, 1.0: 3}, "not confirmed"),
+        ({0.0: 1, 0.5: 2, 1.0: 3}, "refuted"),
+    ],
+)
+def test_the_feature_rule_is_held_against_none_and_some(errors_by_share, verdict):
+    rows = [
+        {"model": "m", "reduction": "0.9", "feature_share": f"{share:g}", "plane_error_k8_pct": str(error)}
+        for share, error in errors_by_share.items()
+    ]
+    assert audit.feature_rule({"features": rows}, "m").verdict == verdict
 
 
 def test_a_model_that_is_not_in_the_tables_has_no_findings():

@@ -36,6 +36,12 @@ def test_a_last_line_cut_by_a_kill_is_measured_again(tmp_path, cut):
     assert path.read_text(encoding="utf-8") == whole
 
 
+def test_a_share_of_zero_is_the_same_case_when_it_is_read_again(tmp_path):
+    path, cases = tmp_path / "t.csv", [{"share": share} for share in (0.0, 0.25, 1.0)]
+    list(Table(path, ("share",)).fill(cases, lambda case: {"twice": 2 * case["share"]}))
+    list(Table(path, ("share",)).fill(cases, lambda case: pytest.fail("measured again")))
+
+
 def test_a_foreign_file_is_refused(tmp_path):
     path = tmp_path / "t.csv"
     path.write_text("x,y\n1,2\n", encoding="utf-8")

@@ -64,9 +64,10 @@ function frontCurves(measure) {
   });
 }
 
-// Few ticks on a long axis, more on a short one.
+// Few ticks on a long axis, more on a short one, the values themselves where they hardly differ.
 function logTicks(values) {
   const [low, high] = [Math.log10(Math.min(...values)), Math.log10(Math.max(...values))];
+  if (high - low < 0.1) return [...new Set([Math.min(...values), Math.max(...values)])];
   const digits = high - low > 2 ? [1] : high - low > 0.8 ? [1, 2, 5] : [1, 1.5, 2, 3, 4, 5, 6, 8];
   const ticks = [];
   for (let decade = Math.floor(low) - 1; decade <= high + 1; decade++) ticks.push(...digits.map((d) => Number(`${d}e${decade}`)));
@@ -79,7 +80,7 @@ function axis(title, values) {
   const base = { ...lines, title: { text: title, standoff: 8 } };
   if (!values.length || values.some((value) => value <= 0)) return base;
   const ticks = logTicks(values);
-  return { ...base, type: "log", tickvals: ticks, ticktext: ticks.map((tick) => tick.toLocaleString("en", { maximumSignificantDigits: 2 })) };
+  return { ...base, type: "log", tickvals: ticks, ticktext: ticks.map((tick) => tick.toLocaleString("en", { maximumSignificantDigits: 4 })) };
 }
 
 function draw(id, traces, layout) {
@@ -205,5 +206,4 @@ function startCharts() {
     }
   }, { rootMargin: "400px" });
   watcher.observe(document.getElementById("charts"));
-  addEventListener("beforeprint", drawCharts);
 }

@@ -4,6 +4,9 @@
 if (typeof startTable === "function") startTable();
 if (typeof startCharts === "function") startCharts();
 startViews();
+watchPrint(() => {
+  if (typeof drawCharts === "function") drawCharts();
+});
 watchTheme(() => {
   if (typeof drawCharts === "function" && document.querySelector("#chart-runtime .plot-container")) drawCharts();
   drawViews();

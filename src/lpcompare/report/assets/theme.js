@@ -16,6 +16,21 @@ function themeColour(name) {
   return colour;
 }
 
+// On paper everything is light.
+function watchPrint(redraw) {
+  const style = document.documentElement.style;
+  let wish = "";
+  addEventListener("beforeprint", () => {
+    wish = style.colorScheme;
+    style.colorScheme = "light";
+    redraw();
+  });
+  addEventListener("afterprint", () => {
+    style.colorScheme = wish;
+    redraw();
+  });
+}
+
 function watchTheme(redraw) {
   document.getElementById("theme").addEventListener("click", () => {
     document.documentElement.style.colorScheme = isDark() ? "light" : "dark";

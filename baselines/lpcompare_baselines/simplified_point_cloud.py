@@ -44,7 +44,7 @@ def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) ->
     return {"samplenum": _asked(target_count, draw.size), "order_seed": draw.order_seed}
 
 
-def meshlab_simplified_point_cloud(
+def simplified_point_cloud(
     points: Points,
     target_count: int,
     *,
@@ -79,7 +79,7 @@ def meshlab_simplified_point_cloud(
     check(points, target_count)
     if samplenum is None:
         found = calibrate(points, target_count, rng=rng)
-        return meshlab_simplified_point_cloud(points, target_count, rng=rng, **found)
+        return simplified_point_cloud(points, target_count, rng=rng, **found)
     indices = _sample(points, samplenum, draw_seed(rng) if order_seed is None else order_seed)
     return Simplification(points[indices], indices)
 
