@@ -1,4 +1,4 @@
-"""The table of reports/uniform/README.md: every method's metrics over Poisson disk sampling's, from records.csv.
+"""The tables of reports/uniform/README.md: metrics over those of Poisson disk sampling, from records.csv.
 
 Run it from the root of the repository: ``python reports/uniform/ratios.py``.
 """
@@ -6,6 +6,7 @@ Run it from the root of the repository: ``python reports/uniform/ratios.py``.
 from __future__ import annotations
 
 import csv
+import json
 import math
 import sys
 from collections import defaultdict
@@ -30,6 +31,7 @@ def read(path: Path) -> dict[tuple[str, str], dict[str, dict[str, float]]]:
         for row in csv.DictReader(file):
             if row["status"] == "ok":
                 values = {name: float(row[name]) for name in COLUMNS}
+                values["residual"] = json.loads(row["info"] or "{}").get("largest_residual", math.nan)
                 cases[row["model"], row["reduction"]][row["method"]] = values
     return cases
 
@@ -55,16 +57,18 @@ def summary(cases: dict) -> list[str]:
 
 
 def by_case(cases: dict, method: str) -> list[str]:
-    """One line per case of ``method``, and how its eq. 27 error stands to the rivals that have the mesh."""
+    """One line per case of ``method``, beside the rivals that have the mesh, and the worst cluster's Z."""
     rivals = ("quadric_collapse", "quadric_decimation")
-    lines = [_line("case", *COLUMNS.values(), *(f"eq. 27 over {r}" for r in rivals))]
-    lines.append(_line(*["---"] * (len(COLUMNS) + 3)))
+    lines = [_line("case", *COLUMNS.values(), *(f"eq. 27 over {r}" for r in rivals), "largest Z / D")]
+    lines.append(_line(*["---"] * (len(COLUMNS) + 4)))
     for case, row in ratios(cases, method).items():
         own = cases[case][method]["plane_error_pct"]
         over = [
-            f"{own / cases[case][r]['plane_error_pct']:.2f}" if r in cases[case] else "no mesh" for r in rivals
+            f"{own / cases[case][r]['plane_error_pct']:.2f}" if r in cases[case] else "no mesh"
+            for r in rivals
         ]
-        lines.append(_line(" ".join(case), *(f"{row[name]:.2f}" for name in COLUMNS), *over))
+        residual = f"{100 * cases[case][method]['residual']:.2f} %"
+        lines.append(_line(" ".join(case), *(f"{row[name]:.2f}" for name in COLUMNS), *over, residual))
     return lines
 
 
