@@ -214,7 +214,7 @@ def _expect_block(
     """One block of `_expect`; rows so far out that every density underflows are shifted by their maximum."""
     densities = features @ coefficients
     np.exp(densities, out=densities)
-    totals = densities.sum(axis=1)
+    totals = densities @ np.ones(len(coefficients.T))
     shifts = 0.0
     far = np.flatnonzero(totals < _TINIEST)
     if len(far):
