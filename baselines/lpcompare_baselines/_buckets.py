@@ -129,12 +129,11 @@ class _Tree:
         return which, nodes
 
     def is_sure(self, buckets: Indices, which: Indices, reached: Indices) -> Mask:
-        """Whether no point that a candidate reaches could be taken before it."""
+        """Whether no point that a candidate may shorten, or be shortened by, comes before it."""
         row, squared = self.farthest[buckets][which], self.distance[buckets][which]
         before = (self.distance[reached] > squared) | (
             (self.distance[reached] == squared) & (self.farthest[reached] < row)
         )
-        before &= self._box_distance(row, reached, -1) < squared
         sure = np.ones(len(buckets), bool)
         sure[which[before]] = False
         return sure

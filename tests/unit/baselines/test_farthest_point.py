@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from lpcompare_baselines._buckets import farthest_points
@@ -23,6 +23,7 @@ def plain(points, target_count, first):
 @given(
     st.integers(0, 10**6), st.integers(1, 2500), st.floats(0, 1), st.sampled_from(["ball", "lattice", "line"])
 )
+@example(49343, 1432, 1.0, "lattice")
 def test_the_points_and_their_order_are_those_of_the_plain_algorithm(seed, n, share, kind):
     rng = np.random.default_rng(seed)
     points = rng.normal(size=(n, 3))
