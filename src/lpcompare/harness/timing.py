@@ -28,6 +28,10 @@ class Seconds:
 def timed(call: Callable[[], T]) -> tuple[T, Seconds]:
     """The result of a call, and its seconds."""
     gc.collect()
+    return _clocked(call)
+
+
+def _clocked(call: Callable[[], T]) -> tuple[T, Seconds]:
     wall, cpu = perf_counter(), process_time()
     result = call()
     return result, Seconds(perf_counter() - wall, process_time() - cpu)
@@ -40,7 +44,7 @@ def reference_seconds() -> Seconds:
     just before and just after the timed call; runtimes of two runs are compared in units of it.
     """
     points = np.random.default_rng(0).random((_REFERENCE_POINTS, 3))
-    rounds = [timed(lambda: _reference_work(points))[1] for _ in range(_REFERENCE_ROUNDS)]
+    rounds = [_clocked(lambda: _reference_work(points))[1] for _ in range(_REFERENCE_ROUNDS)]
     return Seconds(median(r.wall for r in rounds), median(r.cpu for r in rounds))
 
 
