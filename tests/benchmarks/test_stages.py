@@ -1,0 +1,124 @@
+"""How long each stage of our methods takes on the bunny thinned to a tenth.
+
+Stages that end with kept points carry the eq. 27 error of these in ``extra_info``.
+"""
+
+import numpy as np
+import pytest
+
+from lpcompare.comparison import Comparison
+from lpcompare.geometry.scale import normalize
+from lpcompare.lp.clustering import cluster_points
+from lpcompare.lp.curvature import estimate_curvature
+from lpcompare.lp.features import feature_mask
+from lpcompare.lp.placement import place_points
+from lpcompare.lp.quadrics import estimate_surface
+from lpcompare.lp.reduction import Reading, plan_clusters, reduce_clusters
+from lpcompare.lp.selection import SolverSettings
+from lpcompare.lp.uniform import Stop
+from lpcompare.lp.uniform_reduction import (
+    cluster_densities,
+    refine_in_density,
+    solve_programmes,
+    spread_points,
+)
+
+N_CLUSTERS, SHARE_KEPT, N_ROUNDS, TOLERANCE = 20, 0.1, 12, 0.01
+
+
+@pytest.fixture(scope="module")
+def cloud():
+    from lpcompare.models import load_model
+
+    return normalize(load_model("bunny").points)[0]
+
+
+@pytest.fixture(scope="module")
+def n_keep(cloud):
+    return int(SHARE_KEPT * len(cloud))
+
+
+@pytest.fixture(scope="module")
+def labels(cloud):
+    return cluster_points(cloud, N_CLUSTERS, np.random.default_rng(0)).labels
+
+
+@pytest.fixture(scope="module")
+def curvature(cloud):
+    return estimate_curvature(cloud).absolute
+
+
+@pytest.fixture(scope="module")
+def surface(cloud):
+    return estimate_surface(cloud)
+
+
+@pytest.fixture(scope="module")
+def density(cloud, labels):
+    return cluster_densities(cloud, labels)
+
+
+@pytest.fixture(scope="module")
+def spread(cloud, surface, curvature, density, n_keep):
+    return spread_points(cloud, surface, curvature, density, n_keep)
+
+
+@pytest.fixture(scope="module")
+def refined(cloud, spread, density):
+    return refine_in_density(cloud, spread, density, N_ROUNDS, TOLERANCE)
+
+
+def timed(benchmark, stage):
+    return benchmark.pedantic(stage, rounds=5, warmup_rounds=1)
+
+
+def judge(benchmark, cloud, kept):
+    comparison = Comparison(cloud, kept)
+    error = comparison.percent(float(comparison.plane_errors(8).mean()))
+    benchmark.extra_info |= {"n_output": len(kept), "plane_error_pct": error}
+    assert np.isfinite(error)
+
+
+def test_clustering(benchmark, cloud):
+    mixture = timed(benchmark, lambda: cluster_points(cloud, N_CLUSTERS, np.random.default_rng(0)))
+    assert len(mixture.labels) == len(cloud)
+
+
+def test_curvature(benchmark, cloud):
+    assert len(timed(benchmark, lambda: estimate_curvature(cloud)).absolute) == len(cloud)
+
+
+@pytest.mark.parametrize("method", ["lp_printed", "lp_density"])
+def test_selection(benchmark, cloud, labels, curvature, n_keep, method):
+    def select():
+        rng = np.random.default_rng(0)
+        features = feature_mask(curvature, labels)
+        tasks = plan_clusters(cloud, labels, features, curvature, target_count=n_keep, rng=rng)
+        return reduce_clusters(cloud, tasks, Reading(method), SolverSettings())
+
+    judge(benchmark, cloud, cloud[timed(benchmark, select)[0]])
+
+
+def test_surface(benchmark, cloud):
+    assert len(timed(benchmark, lambda: estimate_surface(cloud)).areas) == len(cloud)
+
+
+def test_cells(benchmark, cloud, surface, curvature, density, n_keep):
+    spread = timed(benchmark, lambda: spread_points(cloud, surface, curvature, density, n_keep))
+    judge(benchmark, cloud, cloud[spread])
+
+
+def test_refinement(benchmark, cloud, density, spread):
+    refined = timed(benchmark, lambda: refine_in_density(cloud, spread, density, N_ROUNDS, TOLERANCE))
+    judge(benchmark, cloud, cloud[refined])
+
+
+def test_programmes(benchmark, cloud, surface, density, refined):
+    def solve():
+        return solve_programmes(cloud, surface, density, refined, tolerance=TOLERANCE, stop=Stop())
+
+    judge(benchmark, cloud, cloud[timed(benchmark, solve)[0]])
+
+
+def test_placement(benchmark, cloud, surface, refined):
+    judge(benchmark, cloud, timed(benchmark, lambda: place_points(cloud, surface, refined)))
