@@ -170,8 +170,8 @@ def check_names(methods: tuple[str, ...], metrics: tuple[str, ...]) -> None:
 
 
 def default_methods() -> tuple[str, ...]:
-    """Every method that a plain installation of lpcompare can run."""
-    return tuple(name for name in METHODS if not METHODS.traits(name).extra)
+    """Every method that this installation of lpcompare can run, optional ones where their extra is there."""
+    return tuple(name for name in METHODS if not METHODS.missing(name))
 
 
 def choose_metrics(asked: tuple[str, ...]) -> tuple[str, ...]:

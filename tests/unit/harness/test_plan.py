@@ -69,9 +69,10 @@ def test_an_unknown_protocol_is_refused():
         Plan(("a",), (Variant("x"),), protocol="fair").check()
 
 
-def test_default_methods_need_no_extra():
-    assert "random_sample" in default_methods()
-    assert all(not METHODS.traits(name).extra for name in default_methods())
+def test_default_methods_are_those_installed(monkeypatch):
+    assert set(default_methods()) == {name for name in METHODS if not METHODS.missing(name)}
+    monkeypatch.setattr(type(METHODS), "missing", lambda _, name: "" if name == "cgal_grid" else "absent")
+    assert default_methods() == ("cgal_grid",)
 
 
 def test_slow_metrics_run_only_when_asked_for():
