@@ -35,7 +35,8 @@ def command(
         Many, typer.Option("--metric", help="A slow metric beside the quick ones, or 'all'.")
     ] = None,
     study: Annotated[
-        str, typer.Option(help="A TOML file, or: smoke, default, methods, paper, robustness, clusters, scaling.")
+        str,
+        typer.Option(help="A TOML file, or smoke, default, methods, paper, robustness, clusters, scaling."),
     ] = "",
     protocol: Annotated[str | None, typer.Option(help="equal-count (default) or as-printed.")] = None,
     refine: Annotated[
