@@ -37,6 +37,13 @@ class DensityGoal:
         """Z of eq. 14 for the costs of the chosen points, shape (nr,)."""
         return abs(self.k * _mean(costs) - self.density)
 
+    def within_reach(self, costs: Vector) -> DensityGoal:
+        """The goal with its density cut to twice what the dearest of the costs gives.
+
+        Beyond that, every density asks for the dearest points; a solver cannot hold a very large one.
+        """
+        return replace(self, density=min(self.density, 2 * self.k * float(costs.max())))
+
 
 @dataclass(frozen=True)
 class Certificate:
@@ -45,7 +52,8 @@ class Certificate:
     Attributes
     ----------
     status : str
-        "optimal" (within the tolerance), "time limit", "interrupted" or "inaccurate".
+        "optimal" (proven within the tolerance), or how the solver ended: "gap" (content with the gap that it
+        was allowed), "time limit", "interrupted" or "inaccurate".
     proof : str
         Where the bound comes from: "zero" (an absolute value is never negative), "sorting" (no mean of nr
         costs lies outside those of the nearest and the farthest points), "counting" (every sum of nr costs
@@ -106,7 +114,7 @@ def certify(
         The selection.
     goal : DensityGoal
     status : str
-        How the solver ended; a bound within the tolerance makes it "optimal".
+        How the solver says it ended; "optimal" stands only where a bound within the tolerance proves it.
     bounds : mapping of str to float, optional
         Further lower bounds on Z, by the name of their proof.
 
@@ -121,8 +129,9 @@ def certify(
         known = {"counting": objective}
     enough = [name for name, bound in known.items() if objective - bound <= TOLERANCE * goal.density]
     proof = enough[0] if enough else max(known, key=lambda name: known[name])
+    unproven = "gap" if status == "optimal" else status
     return Certificate(
-        "optimal" if enough else status,
+        "optimal" if enough else unproven,
         proof,
         objective,
         min(known[proof], objective),

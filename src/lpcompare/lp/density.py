@@ -60,4 +60,4 @@ def cluster_density(costs: Vector, mean_cost: float, definition: str) -> float:
         return 0.0
     if definition == "mean":
         return float(costs.mean())
-    return 1.0 / (float(costs.sum()) * mean_cost**2)
+    return 1.0 / (float(costs.sum()) * mean_cost) / mean_cost

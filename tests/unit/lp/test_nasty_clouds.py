@@ -89,6 +89,15 @@ def test_other_settings_survive_degenerate_clouds(name, settings):
     check(result, points, expected)
 
 
+@pytest.mark.parametrize("method", ["lp_density", "lp_printed"])
+@pytest.mark.parametrize("scale", [1e-149, 1e-20, 1e-9, 1e9, 1e20, 1e149])
+def test_the_printed_density_depends_on_the_unit_and_survives_any(scale, method):
+    points = SURFACE / np.abs(SURFACE).max() * scale
+    result = lpcompare.simplify(points, target_count=80, method=method, density="printed", n_clusters=5)
+    check(result, points, 80)
+    assert result.info["n_certified"] == 5
+
+
 def check(result, points, expected):
     assert len(result) == len(result.indices) == expected
     assert (np.diff(result.indices) > 0).all()

@@ -139,6 +139,33 @@ def test_a_cold_solver_without_a_solution_is_one_sentence():
         )
 
 
+@pytest.mark.parametrize("solver", ["highs", "highs-cold", "SCIPY"])
+@pytest.mark.parametrize("gap", [0.0, 0.9])
+def test_what_a_solver_leaves_within_its_gap_is_not_called_proven(solver, gap):
+    for seed in range(6):
+        costs = np.round(np.random.default_rng(seed).uniform(2, 8, size=12)) / 4
+        goal = DensityGoal(float(costs.mean()) + 1e-3)
+        settings = SolverSettings(solver, gap=gap)
+        certificate = select(costs, 5, goal, rng=np.random.default_rng(seed), settings=settings)[1]
+        best = brute_force(costs, 5, goal)
+        assert certificate.bound <= best + 1e-9
+        assert certificate.proven == (certificate.objective <= certificate.bound + TOLERANCE * goal.density)
+        assert certificate.status == ("optimal" if certificate.proven else "gap")
+
+
+@pytest.mark.parametrize("solver", ["highs", "highs-cold"])
+@pytest.mark.parametrize("density", [1e-200, 1e-18, 1e14, 1e16, 1e200])
+def test_a_density_that_no_selection_comes_near_is_no_obstacle(solver, density):
+    costs, _ = costs_of(40, 0)
+    settings = SolverSettings(solver)
+    mask, certificate = select(
+        costs, 9, DensityGoal(density), rng=np.random.default_rng(0), settings=settings
+    )
+    rows = np.argsort(costs)[:9] if density < 1 else np.argsort(costs)[-9:]
+    assert np.array_equal(np.flatnonzero(mask), np.sort(rows))
+    assert (certificate.proof, certificate.status) == ("sorting", "optimal")
+
+
 def test_certificate_names_a_bound_above_the_objective_never():
     costs, _ = costs_of(10, 0)
     certificate = certify(costs, np.arange(10) < 4, DensityGoal(1.0, 2.5), "optimal", {"solver": 99.0})
