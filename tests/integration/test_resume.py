@@ -106,6 +106,25 @@ def test_a_finished_run_is_resumed_without_running_anything(lpcompare, words, un
     assert load_run(folder).records == before
 
 
+def test_only_what_a_limit_may_have_ended_is_run_again_under_another_limit(lpcompare, cloud_file, tmp_path):
+    out = tmp_path / "run"
+    words = ["run", "--model", cloud_file, "--method", "random_sample", "--method", "raises"]
+    words += ["--reduction", 0.8, "--out", out]
+
+    def resume(*more):
+        assert lpcompare(*words, *more).returncode == 0
+        return [r.message for r in load_run(out).records]
+
+    good, bad = resume()
+    document = json.loads((out / "run.json").read_text())
+    document["records"] = [row | {"message": "earlier"} for row in document["records"]]
+    (out / "run.json").write_text(json.dumps(document))
+
+    assert good == "" != bad
+    assert resume("--resume") == ["earlier", "earlier"]
+    assert resume("--resume", "--time-limit", 200) == ["earlier", bad]
+
+
 def test_ctrl_c_leaves_a_readable_run_and_exit_code_130(words, start, tmp_path):
     process = start(words, tmp_path / "run", n_records=2)
     process.send_signal(signal.SIGINT)
