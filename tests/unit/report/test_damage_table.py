@@ -1,5 +1,7 @@
 """Errors against damage: the curves, who suffers, and the paper's claim of robustness."""
 
+from dataclasses import replace
+
 import pytest
 
 from lpcompare.harness.record import Record
@@ -30,13 +32,20 @@ def text_of(records):
 @pytest.mark.parametrize("kind", ["noise", "outliers"])
 def test_the_claim_is_confirmed_when_most_others_suffer_more(kind):
     text = text_of(run_with(kind, 1.5, [1.2, 2.0, 3.0]))
-    assert "grows 1.50 times, the median of the 3 others 2.00 times, and 1 of them grow less" in text
+    assert "grows 1.50 times (median of the other methods 2.00) and is 0.1500 (median 0.2000)" in text
     assert "the claim is confirmed" in text
 
 
 def test_the_claim_is_refuted_when_most_others_suffer_less():
     assert "the claim is refuted" in text_of(run_with("noise", 2.5, [1.2, 2.0, 3.0]))
     assert "the claim is refuted" in text_of(run_with("noise", 2.0, [2.0])), "as much is not less"
+
+
+def test_little_growth_from_a_large_error_is_not_robust():
+    rows = run_with("noise", 1.1, [1.2, 2.0, 3.0])
+    worse = [replace(r, metrics={"plane_error_pct": 3 * r.metrics["plane_error_pct"]}) for r in rows]
+    rows = [w if r.method == "lp_printed" else r for r, w in zip(rows, worse, strict=True)]
+    assert "the claim is refuted" in text_of(rows)
 
 
 def test_the_paper_claims_nothing_of_missing_regions():
@@ -47,7 +56,8 @@ def test_the_paper_claims_nothing_of_missing_regions():
 
 def test_a_failed_case_has_no_growth_and_is_not_counted():
     rows = run_with("noise", 1.5, [2.0, 3.0])
-    assert "1 others" in text_of([*rows[:-1], record("other_1", "noise", 0.5, 0.1, status="failed")])
+    failed = record("other_1", "noise", 0.5, 0.1, status="failed")
+    assert "(median of the other methods 2.00)" in text_of([*rows[:-1], failed])
 
 
 def test_curves_start_at_the_clean_cloud_and_average_the_seeds():
