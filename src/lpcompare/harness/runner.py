@@ -66,7 +66,7 @@ def run_plan(
     Raises
     ------
     InputError
-        The folder cannot be written, or holds a run and ``resume`` is false.
+        The folder cannot be written, now or later, or holds a run and ``resume`` is false.
     """
     earlier = _earlier(folder, plan, resume=resume)
     runner = _Runner(plan, models, RunFolder(folder), earlier)
