@@ -106,6 +106,25 @@ def test_a_finished_run_is_resumed_without_running_anything(lpcompare, words, un
     assert load_run(folder).records == before
 
 
+def test_only_what_a_limit_may_have_ended_is_run_again_under_another_limit(lpcompare, cloud_file, tmp_path):
+    out = tmp_path / "run"
+    words = ["run", "--model", cloud_file, "--method", "random_sample", "--method", "raises"]
+    words += ["--reduction", 0.8, "--out", out]
+
+    def resume(*more):
+        assert lpcompare(*words, *more).returncode == 0
+        return [r.message for r in load_run(out).records]
+
+    good, bad = resume()
+    document = json.loads((out / "run.json").read_text())
+    document["records"] = [row | {"message": "earlier"} for row in document["records"]]
+    (out / "run.json").write_text(json.dumps(document))
+
+    assert good == "" != bad
+    assert resume("--resume") == ["earlier", "earlier"]
+    assert resume("--resume", "--time-limit", 200) == ["earlier", bad]
+
+
 def test_ctrl_c_leaves_a_readable_run_and_exit_code_130(words, start, tmp_path):
     process = start(words, tmp_path / "run", n_records=2)
     process.send_signal(signal.SIGINT)
@@ -138,7 +157,14 @@ def test_several_jobs_give_the_same_points_and_say_that_runtimes_are_unreliable(
     assert [_identity(r) for r in one.records] == [_identity(r) for r in two.records]
 
 
-def test_a_full_disk_ends_in_a_sentence_and_a_readable_run(plugin_environment, words, tmp_path):
+@pytest.mark.parametrize(
+    ("more", "reason", "n_records"),
+    [(["--repeats", "30"], "File too large", 3), (["--reduction", "0.1"], "is the disk full?", 0)],
+    ids=["while a record is written", "while a child writes its result"],
+)
+def test_a_full_disk_ends_in_a_sentence_and_a_readable_run(
+    plugin_environment, words, tmp_path, more, reason, n_records
+):
     """A limit on the size of a file stands in for the full disk; both fail in write()."""
     limited = (
         "import resource, signal; signal.signal(signal.SIGXFSZ, signal.SIG_IGN);"
@@ -146,7 +172,7 @@ def test_a_full_disk_ends_in_a_sentence_and_a_readable_run(plugin_environment, w
         "from lpcompare.cli import main; main()"
     )
     done = subprocess.run(
-        [sys.executable, "-c", limited, *words, "--out", str(tmp_path / "run"), "--repeats", "30"],
+        [sys.executable, "-c", limited, *words, "--out", str(tmp_path / "run"), *more],
         env=plugin_environment,
         capture_output=True,
         text=True,
@@ -155,8 +181,12 @@ def test_a_full_disk_ends_in_a_sentence_and_a_readable_run(plugin_environment, w
     )
     assert done.returncode == 2
     assert "Traceback" not in done.stderr
-    assert "File too large" in done.stderr
-    assert len(load_run(tmp_path / "run").records) >= 3
+    assert reason in done.stderr
+    assert "--resume" in done.stderr
+    run = load_run(tmp_path / "run")
+    assert not run.complete
+    assert len(run.records) >= n_records
+    assert all(record.status == "ok" for record in run.records), "no method is blamed"
 
 
 def test_a_line_cut_short_is_left_out(uninterrupted, tmp_path):

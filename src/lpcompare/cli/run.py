@@ -21,22 +21,32 @@ Many = list[str] | None
 
 def command(
     *,
-    model: Annotated[Many, typer.Option("--model", help="A name, or a file. May be repeated.")] = None,
-    method: Annotated[Many, typer.Option("--method", help="May be repeated. Default: all installed.")] = None,
+    model: Annotated[
+        Many, typer.Option("--model", metavar="NAME", help="A name, or a file. May be repeated.")
+    ] = None,
+    method: Annotated[
+        Many, typer.Option("--method", metavar="NAME", help="May be repeated. Default: all installed.")
+    ] = None,
     reduction: Annotated[
-        list[float] | None, typer.Option("--reduction", help="Share removed. Default: 0.7, 0.8, 0.9.")
+        list[float] | None,
+        typer.Option("--reduction", metavar="SHARE", help="Share removed. Default: 0.7, 0.8, 0.9."),
     ] = None,
     repeats: Annotated[int | None, typer.Option(help="Runs of each case, interleaved. Default: 1.")] = None,
-    seed: Annotated[list[int] | None, typer.Option("--seed", help="May be repeated. Default: 0.")] = None,
+    seed: Annotated[
+        list[int] | None, typer.Option("--seed", metavar="N", help="May be repeated. Default: 0.")
+    ] = None,
     assignments: Annotated[
         Many, typer.Option("--set", metavar="METHOD.NAME=VALUE", help="A setting of a method.")
     ] = None,
     metric: Annotated[
-        Many, typer.Option("--metric", help="A slow metric beside the quick ones, or 'all'.")
+        Many, typer.Option("--metric", metavar="NAME", help="A slow metric beside the quick ones, or 'all'.")
     ] = None,
     study: Annotated[
         str,
-        typer.Option(help="A TOML file, or smoke, default, methods, paper, robustness, clusters, scaling."),
+        typer.Option(
+            metavar="FILE|PRESET",
+            help="A TOML file, or: smoke, default, paper, robustness, clusters, scaling, methods.",
+        ),
     ] = "",
     protocol: Annotated[str | None, typer.Option(help="equal-count (default) or as-printed.")] = None,
     refine: Annotated[

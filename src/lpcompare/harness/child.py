@@ -12,6 +12,9 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, BinaryIO
 
+from lpcompare.errors import InputError
+from lpcompare.harness.limits import CANNOT_WRITE
+
 _THREAD_VARIABLES = (
     "LPCOMPARE_THREADS",
     "OMP_NUM_THREADS",
@@ -60,6 +63,8 @@ class Children:
         ------
         Stopped
             `stop` was called meanwhile.
+        InputError
+            The child could not write its result; the case has no record.
         """
         (folder / "request.json").write_text(json.dumps(request), encoding="utf-8")
         with (folder / "stderr.txt").open("wb") as stderr:
@@ -74,6 +79,10 @@ class Children:
                 self._alive.discard(child)
         if self._stopped:
             raise Stopped
+        if code == CANNOT_WRITE:
+            raise InputError(
+                f"{folder} cannot be written (is the disk full?); make room and continue with --resume."
+            )
         return _reply(folder, code, request)
 
     def stop(self) -> None:

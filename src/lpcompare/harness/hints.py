@@ -43,4 +43,12 @@ def spell(hint: Any) -> str:
         return " or ".join(map(repr, get_args(hint)))
     if hint is type(None):
         return "nothing"
-    return hint.__name__ if isinstance(hint, type) and get_origin(hint) is None else str(hint)
+    return _spell_plain(get_origin(hint) or hint, get_args(hint))
+
+
+def _spell_plain(kind: Any, parts: tuple[Any, ...]) -> str:
+    if isinstance(kind, type) and issubclass(kind, Mapping):
+        return "a table"
+    if kind in (list, tuple) and parts:
+        return f"a list of {spell(parts[0])}"
+    return kind.__name__ if isinstance(kind, type) else str(kind)

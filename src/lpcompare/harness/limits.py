@@ -8,6 +8,9 @@ import signal
 import sys
 from pathlib import Path
 
+CANNOT_WRITE = 74
+"""Exit code of a child process that could not hand over its result, for example because the disk is full."""
+
 _PR_SET_PDEATHSIG = 1
 _STATUS = Path("/proc/self/status")
 

@@ -233,5 +233,8 @@ def _read_lines(path: Path) -> list[Record]:
     """The finished rows of a run that did not end; a last line that was cut short is left out."""
     if not path.exists():
         return []
-    lines = path.read_text(encoding="utf-8").split("\n")
-    return [Record.from_dict(json.loads(line)) for line in lines[:-1]]
+    try:
+        rows = [json.loads(line) for line in path.read_text(encoding="utf-8").split("\n")[:-1]]
+    except ValueError as error:
+        raise InputError(f"{path.name} is damaged ({error}).") from error
+    return [Record.from_dict(row) for row in rows]

@@ -66,9 +66,9 @@ def run_plan(
     Raises
     ------
     InputError
-        The folder cannot be written, or holds a run and ``resume`` is false.
+        The folder cannot be written, now or later, or holds a run and ``resume`` is false.
     """
-    earlier = _earlier(folder, resume=resume)
+    earlier = _earlier(folder, plan, resume=resume)
     runner = _Runner(plan, models, RunFolder(folder), earlier)
     complete = False
     try:
@@ -79,13 +79,16 @@ def run_plan(
     return load_run(folder)
 
 
-def _earlier(folder: Path, *, resume: bool) -> dict[str, Record]:
-    """Records of an earlier start, by key."""
+def _earlier(folder: Path, plan: Plan, *, resume: bool) -> dict[str, Record]:
+    """Records of an earlier start, by key; under other limits, not what those limits may have ended."""
     if not (folder / "run.json").exists():
         return {}
     if not resume:
         raise InputError(f"{folder} already holds a run; continue it with --resume, or name another folder.")
-    return {record.key: record for record in load_run(folder).records}
+    run = load_run(folder)
+    limits = ("time_limit_s", "memory_limit_mib")
+    alike = all(run.plan.get(name) == getattr(plan, name) for name in limits)
+    return {r.key: r for r in run.records if alike or r.status not in ("failed", "timeout")}
 
 
 class _Runner:

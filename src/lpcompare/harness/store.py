@@ -8,7 +8,8 @@ import json
 import os
 import shutil
 import tempfile
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,7 @@ from lpcompare.errors import InputError
 from lpcompare.harness.record import SCHEMA_VERSION, Record
 from lpcompare.harness.summary import summary_rows
 
+_LATER = "make room and continue with --resume"
 _NESTED = ("settings", "timings", "metrics", "info")
 
 
@@ -39,15 +41,10 @@ class RunFolder:
     def __init__(self, path: Path) -> None:
         self.path, self.clouds, self.scratch = path, path / "clouds", path / ".work"
         self._head: dict[str, Any] = {}
-        try:
+        with _writing(path, "name another with --out"):
             self.clouds.mkdir(parents=True, exist_ok=True)
             shutil.rmtree(self.scratch, ignore_errors=True)
             self.scratch.mkdir()
-        except OSError as error:
-            reason = error.strerror or error
-            raise InputError(
-                f"The folder {path} cannot be written ({reason}); name another with --out."
-            ) from error
 
     def begin(self, head: Mapping[str, Any], finished: Iterable[Record]) -> None:
         """Write plan, environment and inputs, and the records that an earlier start finished."""
@@ -58,7 +55,7 @@ class RunFolder:
 
     def append(self, record: Record) -> None:
         """Keep a finished record, on the disk when this returns."""
-        with self._lines.open("a", encoding="utf-8") as file:
+        with _writing(self.path, _LATER), self._lines.open("a", encoding="utf-8") as file:
             file.write(_line(record))
             file.flush()
             os.fsync(file.fileno())
@@ -66,9 +63,10 @@ class RunFolder:
     def end(self, records: Iterable[Record], *, complete: bool) -> None:
         """Write run.json and the tables with every record; clear away what only a running run needs."""
         records = list(records)
-        self._write_document(records, complete=complete)
-        replace_text(self.path / "records.csv", _table([_flat(record) for record in records]))
-        replace_text(self.path / "summary.csv", _table(summary_rows(records)))
+        with _writing(self.path, _LATER):
+            self._write_document(records, complete=complete)
+            replace_text(self.path / "records.csv", _table([_flat(record) for record in records]))
+            replace_text(self.path / "summary.csv", _table(summary_rows(records)))
         self._lines.unlink(missing_ok=True)
         shutil.rmtree(self.scratch, ignore_errors=True)
 
@@ -83,6 +81,16 @@ class RunFolder:
     def _write_document(self, records: list[Record], *, complete: bool) -> None:
         document = self._head | {"complete": complete, "records": [r.to_dict() for r in records]}
         replace_text(self.path / "run.json", json.dumps(document, indent=1, allow_nan=False) + "\n")
+
+
+@contextmanager
+def _writing(folder: Path, remedy: str) -> Iterator[None]:
+    """Say of a failure to write which folder it was, why, and what to do; raises `InputError`."""
+    try:
+        yield
+    except OSError as error:
+        reason = error.strerror or error
+        raise InputError(f"The folder {folder} cannot be written ({reason}); {remedy}.") from error
 
 
 def replace_text(path: Path, text: str) -> None:

@@ -51,8 +51,7 @@ _FIELDS: dict[str, Any] = {
     "settings": Mapping[str, Any],
     "perturbations": Mapping[str, Any],
 }
-
-
+_TABLES: dict[str, Any] = {"settings": Mapping[str, Any], "perturbations": list[float]}
 _DIRECT = ("models", "reductions", "seeds", "repeats", "protocol", "refine", "time_limit_s")
 
 
@@ -80,12 +79,11 @@ def read_study(name_or_path: str) -> dict[str, Any]:
             raise InputError(
                 f"Study {name_or_path}: {field} is {value!r}; it must be {spell(_FIELDS[field])}."
             )
-    for table in ("settings", "perturbations"):
+    for table, kind in _TABLES.items():
         for key, value in study.get(table, {}).items():
-            kind = Mapping if table == "settings" else list
-            if not isinstance(value, kind):
+            if not fits(value, kind):
                 raise InputError(
-                    f"Study {name_or_path}: {table}.{key} is {value!r}; it must be a {spell(kind)}."
+                    f"Study {name_or_path}: {table}.{key} is {value!r}; it must be {spell(kind)}."
                 )
     return study
 

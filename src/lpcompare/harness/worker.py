@@ -14,6 +14,8 @@ import math
 import os
 import sys
 import traceback
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -22,7 +24,7 @@ import numpy as np
 
 from lpcompare.errors import LpcompareError, NotApplicable, Unavailable
 from lpcompare.harness.clouds import load_cloud, save_arrays
-from lpcompare.harness.limits import die_with_parent, limit_memory, peak_memory_mib
+from lpcompare.harness.limits import CANNOT_WRITE, die_with_parent, limit_memory, peak_memory_mib
 from lpcompare.harness.verdict import fault, shortfall
 from lpcompare.registry import METHODS, METRICS
 from lpcompare.types import Indices, PointCloud, Simplification
@@ -73,6 +75,15 @@ class Case:
         return {k: v if v is None or isinstance(v, _SCALARS) else repr(v) for k, v in settings.items()}
 
 
+@contextmanager
+def handing_over() -> Iterator[None]:
+    """End the process when the run's folder cannot be written: that is no fault of the method."""
+    try:
+        yield
+    except OSError:
+        os._exit(CANNOT_WRITE)
+
+
 class Reply:
     """What the parent reads when this process has ended, however it ends."""
 
@@ -82,14 +93,17 @@ class Reply:
 
     def stage(self, name: str) -> None:
         """Say what is being done."""
-        (self.folder / "stage").write_text(name, encoding="utf-8")
+        with handing_over():
+            (self.folder / "stage").write_text(name, encoding="utf-8")
 
     def write(self, **fields: Any) -> None:
         """Add fields and write the reply whole."""
         self.fields |= fields
         part = self.folder / "reply.part"
-        part.write_text(json.dumps(self.fields), encoding="utf-8")
-        os.replace(part, self.folder / "reply.json")
+        text = json.dumps(self.fields)
+        with handing_over():
+            part.write_text(text, encoding="utf-8")
+            os.replace(part, self.folder / "reply.json")
 
 
 def main() -> None:
@@ -205,7 +219,8 @@ def _judge(request: dict[str, Any], result: Simplification, reply: Reply) -> Non
         if result.indices is not None:
             arrays["indices"] = result.indices
         arrays |= {name: result.info[name] for name in _MARKS if name in result.info}
-        save_arrays(Path(request["output"]), arrays)
+        with handing_over():
+            save_arrays(Path(request["output"]), arrays)
 
 
 if __name__ == "__main__":

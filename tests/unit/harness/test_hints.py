@@ -36,7 +36,14 @@ def test_a_value_fits_or_not(value, hint, yes):
 
 @pytest.mark.parametrize(
     ("hint", "words"),
-    [(int, "int"), (int | Literal["auto"], "int or 'auto'"), (float | None, "float or nothing")],
+    [
+        (int, "int"),
+        (int | Literal["auto"], "int or 'auto'"),
+        (float | None, "float or nothing"),
+        (list[float], "a list of float"),
+        (tuple[int, ...] | None, "a list of int or nothing"),
+        (Mapping[str, Any], "a table"),
+    ],
 )
 def test_annotations_are_spelled_for_people(hint, words):
     assert spell(hint) == words

@@ -143,9 +143,11 @@ def test_every_preset_is_a_plan(name):
     [
         ("models = ['a'", InputError, "cannot be read"),
         ("modles = ['a']", UnknownName, "models"),
-        ("models = 'a'", InputError, "must be list"),
+        ("models = 'a'", InputError, "must be a list of str"),
         ("repeats = '3'", InputError, "must be int"),
-        ("settings = {lp_density = 3}", InputError, "settings.lp_density"),
+        ("settings = {lp_density = 3}", InputError, "settings.lp_density is 3; it must be a table"),
+        ("perturbations = {noise = ['a']}", InputError, "perturbations.noise .* a list of float"),
+        ("perturbations = {noise = [true]}", InputError, "perturbations.noise .* a list of float"),
     ],
 )
 def test_a_broken_study_is_refused_in_a_sentence(tmp_path, text, error, words):

@@ -114,6 +114,14 @@ def test_binary_rubbish_is_met_with_a_sentence(store):
         load_run(store.path)
 
 
+@pytest.mark.parametrize("line", [b'{"model": "b"\n', b"\x00\x00\n", b"\xff\n"])
+def test_a_damaged_line_that_is_not_the_last_is_met_with_a_sentence(store, line):
+    store.begin(HEAD, [])
+    (store.path / "records.jsonl").write_bytes(line + b"{}")
+    with pytest.raises(InputError, match=r"records\.jsonl is damaged"):
+        load_run(store.path)
+
+
 def test_a_folder_that_cannot_be_made_is_met_with_a_sentence(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match="--out"):
