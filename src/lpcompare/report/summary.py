@@ -57,6 +57,10 @@ def _error(good: Sequence[Cell]) -> Iterator[str]:
     winners = [ranked[0].method for ranked in tables]
     if not tables:
         return
+    if len(set(winners)) == max(map(len, tables)) == 1:
+        span = _range([ranked[0].value(ERROR) for ranked in tables])
+        yield f"{winners[0]} has an error (eq. 27) of {span} % of the diagonal."
+        return
     for winner in sorted(set(winners), key=lambda w: -winners.count(w))[:_LONGEST_LIST]:
         won = [ranked for ranked in tables if ranked[0].method == winner]
         span = _range([ranked[0].value(ERROR) for ranked in won])

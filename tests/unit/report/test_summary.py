@@ -29,6 +29,12 @@ def test_one_winner_everywhere_with_its_lead():
     )
 
 
+def test_a_single_method_is_not_called_the_lowest():
+    text = told([cell("a", 1, reduction=0.8), cell("a", 2)])
+    assert "a has an error (eq. 27) of 1.00 to 2.00 % of the diagonal." in text
+    assert "lowest" not in text
+
+
 def test_winners_that_change_are_named_with_their_reductions():
     text = told([cell("a", 1, reduction=0.7), cell("b", 2, reduction=0.7), cell("a", 3), cell("b", 2)])
     assert "a has the lowest error (eq. 27) at 70 %" in text
