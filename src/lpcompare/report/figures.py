@@ -94,7 +94,7 @@ def draw_ratios(axes: Axes, cells: Sequence[Cell], reference: str) -> None:
     axes.set_yticks(list(places.values()), [plain_text(method) for method in places])
     if judged and min(c.value(ERROR) for c in judged) > 0:
         _logarithmic(axes, "x")
-    axes.set_xlabel(f"Eq. 27 error, times {plain_text(reference)} (the larger the mark, the more removed)")
+    axes.set_xlabel(f"Eq. 27 error, times {plain_text(reference)}\n(the larger the mark, the more removed)")
     axes.grid(alpha=0.3, axis="x")
 
 
