@@ -221,6 +221,17 @@ def test_charts_follow_measure_reference_and_legend(visit):
     )
 
 
+def test_pointing_at_a_method_in_the_legend_picks_it_out(visit):
+    visit.page.evaluate("drawCharts()")
+    opacities = "document.getElementById('chart-count').data.map(t => [t.name, t.opacity])"
+    visit.page.mouse.move(0, 0)
+    visit.page.locator("#chart-legend button", has_text="first_rows").hover()
+    visit.page.wait_for_function("document.getElementById('chart-count').data.some(t => t.opacity < 1)")
+    assert [name for name, opacity in visit.page.evaluate(opacities) if opacity == 1] == ["first_rows"]
+    visit.page.mouse.move(0, 0)
+    visit.page.wait_for_function("document.getElementById('chart-count').data.every(t => t.opacity === 1)")
+
+
 def test_the_button_turns_light_to_dark_and_back(visit):
     ground = lambda: visit.page.evaluate("getComputedStyle(document.body).backgroundColor")  # noqa: E731
     light = ground()
@@ -236,6 +247,26 @@ def test_paper_is_light_and_holds_every_chart(browser, path):
     assert visit.page.locator("#charts .plot-container").count() == 4
     visit.page.emulate_media(media="print", color_scheme="dark")
     assert visit.page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(255, 255, 255)"
+    visit.context.close()
+
+
+def test_paper_shows_what_the_views_show(browser, path):
+    visit = Visit(browser, path).drawn(3)
+    visit.page.evaluate("dispatchEvent(new Event('beforeprint'))")
+    colours = visit.page.eval_on_selector_all(
+        "#view-grid canvas.still",
+        """stills => stills.map(s => {
+          const { data } = s.getContext("2d").getImageData(0, 0, s.width, s.height);
+          return new Set(new Uint32Array(data.buffer)).size;
+        })""",
+    )
+    assert len(colours) == 3
+    assert min(colours) > 20, "a blank picture has one colour"
+    assert visit.page.locator("#view-grid .scene:visible").count() == 0
+    visit.page.evaluate("dispatchEvent(new Event('afterprint'))")
+    assert visit.page.locator("#view-grid .still").count() == 0
+    assert visit.page.locator("#view-grid .scene:visible").count() == 3
+    assert visit.quiet(path), (visit.complaints, visit.requests)
     visit.context.close()
 
 

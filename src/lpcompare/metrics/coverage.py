@@ -14,7 +14,9 @@ from lpcompare.types import Column
 
 COLUMNS = {
     "coverage_mean_pct": Column("% of diagonal", "Mean distance of an original to the nearest kept point"),
-    "coverage_max_pct": Column("% of diagonal", "Covering radius: the largest such distance"),
+    "coverage_max_pct": Column(
+        "% of diagonal", "Covering radius: largest distance to the nearest kept point"
+    ),
 }
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from lpcompare.report.cells import Cell, distinct, pareto_front
 from lpcompare.report.columns import ERROR, RUNTIME, Heading, metric_keys
-from lpcompare.report.styles import method_styles
+from lpcompare.report.styles import method_styles, stage_styles
 from lpcompare.report.table import BASELINE
 
 
@@ -27,7 +27,8 @@ def collect_charts(cells: Sequence[Cell], known: Mapping[str, Heading], referenc
     -------
     dict
         JSON-ready: ``cells`` with median, low and high of each column, ``fronts`` by model, column and
-        reduction, ``methods`` with their colours, ``headings``, ``measures`` to choose from.
+        reduction, ``methods`` and, in the order of the work, ``stages`` with their colours, ``headings``,
+        ``measures`` to choose from.
     """
     good = [cell for cell in cells if cell.ok]
     styles = method_styles(distinct(cells, "method"))
@@ -37,6 +38,7 @@ def collect_charts(cells: Sequence[Cell], known: Mapping[str, Heading], referenc
         "headings": {key: asdict(h) | {"label": h.label} for key, h in known.items()},
         "measures": measures,
         "methods": {method: asdict(style) for method, style in styles.items()},
+        "stages": [[stage, asdict(style)] for stage, style in stage_styles(stage_names(good)).items()],
         "models": distinct(good, "model"),
         "reductions": sorted(distinct(good, "reduction")),
         "cells": [_entry(cell) for cell in good],
@@ -55,6 +57,11 @@ def choose_reference(cells: Sequence[Cell]) -> str:
         return ""
     spans = {m: [c.value(RUNTIME) for c in good if c.method == m] for m in distinct(good, "method")}
     return min(spans, key=lambda method: (-len(spans[method]), max(spans[method]), method))
+
+
+def stage_names(cells: Iterable[Cell]) -> list[str]:
+    """The stages that the methods tell apart, in the order in which they appear."""
+    return list(dict.fromkeys(stage for cell in cells for stage in cell.timings))
 
 
 def _entry(cell: Cell) -> dict[str, Any]:

@@ -38,8 +38,8 @@ class Heading:
 
     @property
     def label(self) -> str:
-        """Title and unit, as on an axis."""
-        return f"{self.title} [{self.unit}]" if self.unit else self.title
+        """Title and unit, as on an axis; a title that counts points has said so."""
+        return f"{self.title} [{self.unit}]" if self.unit not in ("", "points") else self.title
 
 
 MEASURED = {

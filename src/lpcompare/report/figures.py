@@ -12,10 +12,10 @@ import numpy as np
 from lpcompare.harness.inputs import file_name
 from lpcompare.harness.record import Run
 from lpcompare.report.cells import Cell, distinct, gather_cells, pareto_front
-from lpcompare.report.charts import choose_reference
+from lpcompare.report.charts import choose_reference, stage_names
 from lpcompare.report.columns import ERROR, RUNTIME, headings
 from lpcompare.report.pictures import draw_pictures, plain_text
-from lpcompare.report.styles import method_styles
+from lpcompare.report.styles import method_styles, stage_styles
 from lpcompare.report.views import has_cloud, input_files
 from lpcompare.report.wording import percent
 
@@ -94,21 +94,17 @@ def draw_ratios(axes: Axes, cells: Sequence[Cell], reference: str) -> None:
     axes.set_yticks(list(places.values()), [plain_text(method) for method in places])
     if judged and min(c.value(ERROR) for c in judged) > 0:
         _logarithmic(axes, "x")
-    axes.set_xlabel(f"Eq. 27 error, times {plain_text(reference)}")
+    axes.set_xlabel(f"Eq. 27 error, times {plain_text(reference)}\n(the larger the mark, the more removed)")
     axes.grid(alpha=0.3, axis="x")
 
 
 def draw_stages(axes: Axes, cells: Sequence[Cell]) -> None:
     """Seconds per stage of each method; the rest of the call in grey."""
-    from matplotlib import colormaps
-
     timed = sorted((c for c in cells if RUNTIME in c.values), key=lambda c: c.value(RUNTIME))
-    stages = list(dict.fromkeys(stage for cell in timed for stage in cell.timings))
     left = np.zeros(len(timed))
-    for i, stage in enumerate(stages):
+    for stage, style in stage_styles(stage_names(cells)).items():
         widths = np.array([cell.timings.get(stage, 0.0) for cell in timed])
-        color = colormaps["viridis"](i / max(1, len(stages) - 1))
-        axes.barh(range(len(timed)), widths, left=left, label=plain_text(stage), color=color)
+        axes.barh(range(len(timed)), widths, left=left, label=plain_text(stage), color=style.color)
         left += widths
     rest = np.clip(np.array([cell.value(RUNTIME) for cell in timed]) - left, 0, None)
     axes.barh(range(len(timed)), rest, left=left, label="not told apart", color="0.7")
@@ -144,13 +140,20 @@ def _figures(run: Run, reference: str) -> Iterator[tuple[str, Figure]]:
 
 
 def _logarithmic(axes: Axes, name: str) -> None:
-    """A logarithmic axis with plain numbers at 1, 2 and 5, at the powers of ten alone where it is long."""
+    """A logarithmic axis with plain numbers: few on a long axis, more on a short one."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
     axes.set(**{f"{name}scale": "log"})
     axis = axes.xaxis if name == "x" else axes.yaxis
     low, high = axis.get_view_interval()
-    axis.set_major_locator(LogLocator(subs=(1.0,) if high / low > 200 else (1.0, 2.0, 5.0)))
+    digits = (
+        (1.0,)
+        if high / low > 200
+        else (1.0, 2.0, 5.0)
+        if high / low > 7
+        else (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0)
+    )
+    axis.set_major_locator(LogLocator(subs=digits))
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axis.set_minor_formatter(NullFormatter())
 

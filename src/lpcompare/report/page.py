@@ -20,7 +20,7 @@ from lpcompare.report.charts import choose_reference, collect_charts
 from lpcompare.report.columns import ERROR, RUNTIME, Heading, headings
 from lpcompare.report.summary import summarize
 from lpcompare.report.views import collect_views, one_cloud
-from lpcompare.report.wording import number, percent, quantity
+from lpcompare.report.wording import number, percent, quantity, tau
 from lpcompare.types import PointCloud
 
 MAIN_COLUMNS = ("n_output", ERROR, "plane_error_max_pct", "hausdorff_pct", RUNTIME, "peak_memory_mib")
@@ -144,7 +144,7 @@ def _render(template: str, context: Mapping[str, Any]) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= {"number": number, "percent": percent, "rank": "{:.1f}".format}
+    environment.filters |= {"number": number, "percent": percent, "rank": "{:.1f}".format, "tau": tau}
     environment.globals |= {"quantity": quantity, "interval": _interval, "asset": _asset, "plotly": _plotly}
     return environment.get_template(template).render(context)
 

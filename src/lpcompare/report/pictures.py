@@ -78,7 +78,7 @@ def draw_results(figure: Figure, run: Run, cells: Sequence[Cell], what: str) -> 
         )
         axes.set_xlim(grid[0].get_xlim())
         axes.set_ylim(grid[0].get_ylim())
-    labels = {"errors": "Eq. 27 error [% of diagonal]", "curvature": "Curvature [1 / unit]"}
+    labels = {"errors": "Eq. 27 error [% of diagonal]", "curvature": "Absolute curvature [1 / model unit]"}
     if shown is not None and what in labels:
         figure.colorbar(shown, ax=list(grid), shrink=0.9, label=labels[what], extend="max")
 

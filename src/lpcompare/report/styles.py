@@ -11,6 +11,9 @@ _COLORS = (
 )  # fmt: skip
 """Told apart by the colour-blind: eight of Okabe and Ito, the rest of Tol's "muted"; on light and dark."""
 
+_ON_DARK = {"#882255": "#c4588f", "#332288": "#8f80e0"}
+"""Lighter doubles of the colours that vanish on a dark page."""
+
 CLUSTER_COLORS = (
     "#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9",
     "#d55e00", "#f0e442", "#882255", "#44aa99", "#999933",
@@ -29,12 +32,14 @@ class Style:
 
     Attributes
     ----------
-    color : str
+    color, dark : str
+        On a light page and on paper, and on a dark page.
     symbol : str
         Plotly's name.
     """
 
     color: str
+    dark: str
     symbol: str
 
     @property
@@ -46,6 +51,16 @@ class Style:
 def method_styles(methods: Iterable[str]) -> dict[str, Style]:
     """A style for every method, by its place in the list; no two share both colour and symbol below 84."""
     return {
-        method: Style(_COLORS[i % len(_COLORS)], _SYMBOLS[(i + i // len(_COLORS)) % len(_SYMBOLS)])
+        method: _style(i, _SYMBOLS[(i + i // len(_COLORS)) % len(_SYMBOLS)])
         for i, method in enumerate(methods)
     }
+
+
+def stage_styles(stages: Iterable[str]) -> dict[str, Style]:
+    """A style for every stage of a method's time; no two share a colour below 13."""
+    return {stage: _style(i, _SYMBOLS[0]) for i, stage in enumerate(stages)}
+
+
+def _style(place: int, symbol: str) -> Style:
+    color = _COLORS[place % len(_COLORS)]
+    return Style(color, _ON_DARK.get(color, color), symbol)

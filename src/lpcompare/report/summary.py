@@ -57,6 +57,10 @@ def _error(good: Sequence[Cell]) -> Iterator[str]:
     winners = [ranked[0].method for ranked in tables]
     if not tables:
         return
+    if len(set(winners)) == max(map(len, tables)) == 1:
+        span = _range([ranked[0].value(ERROR) for ranked in tables])
+        yield f"{winners[0]} has an error (eq. 27) of {span} % of the diagonal."
+        return
     for winner in sorted(set(winners), key=lambda w: -winners.count(w))[:_LONGEST_LIST]:
         won = [ranked for ranked in tables if ranked[0].method == winner]
         span = _range([ranked[0].value(ERROR) for ranked in won])
@@ -175,31 +179,38 @@ def _other_metrics(good: Sequence[Cell]) -> Iterator[str]:
     known = headings({key for cell in good for key in cell.values})
     if ERROR not in known or len(distinct(good, "method")) < 2:
         return
-    first = rank_over_cells(good, known[ERROR])
-    dissent: dict[str, list[str]] = {}
-    for key in metric_keys(known):
-        ranking = rank_over_cells(good, known[key])
-        if (
-            first.methods
-            and ranking.methods
-            and known[key].better
-            and not _shares_lead(ranking, first.methods[0])
-        ):
-            dissent.setdefault(ranking.methods[0], []).append(re.split(r"[,:]", known[key].title)[0])
-    told = [f"{m} ({_titles(titles)})" for m, titles in sorted(dissent.items(), key=lambda d: -len(d[1]))]
+    first = _leaders(rank_over_cells(good, known[ERROR]))
+    judged = [key for key in metric_keys(known) if known[key].better]
+    titles = _short_titles([known[key].title for key in judged])
+    dissent: dict[tuple[str, ...], list[str]] = {}
+    for key, title in zip(judged, titles, strict=True):
+        leaders = _leaders(rank_over_cells(good, known[key]))
+        if leaders and first and first[0] not in leaders:
+            dissent.setdefault(leaders, []).append(title)
+    told = [f"{_names(m)} ({_titles(t)})" for m, t in sorted(dissent.items(), key=lambda d: -len(d[1]))]
     if told:
         yield f"Other measures put another method first: {listing(told)}."
 
 
-def _shares_lead(ranking: Ranking, method: str) -> bool:
-    """The method is first in a ranking, alone or with others."""
-    rank = dict(zip(ranking.methods, ranking.mean_ranks, strict=True)).get(method)
-    return rank == ranking.mean_ranks[0]
+def _leaders(ranking: Ranking) -> tuple[str, ...]:
+    """The methods that share the best mean rank."""
+    return tuple(
+        m for m, r in zip(ranking.methods, ranking.mean_ranks, strict=True) if r == min(ranking.mean_ranks)
+    )
+
+
+def _names(leaders: Sequence[str]) -> str:
+    return listing(leaders) if len(leaders) <= 2 else f"{count(len(leaders), 'method')} alike"
+
+
+def _short_titles(titles: Sequence[str]) -> list[str]:
+    """Each title up to its first comma or colon, whole where that would leave two the same."""
+    short = [re.split(r"[,:]", title)[0] for title in titles]
+    return [s if short.count(s) == 1 else title for s, title in zip(short, titles, strict=True)]
 
 
 def _titles(titles: Sequence[str]) -> str:
-    titles = list(dict.fromkeys(titles))
-    return "; ".join(titles) if len(titles) <= _LONGEST_LIST else count(len(titles), "measure")
+    return "; ".join(titles) if len(titles) <= 2 else count(len(titles), "measure")
 
 
 def _ranks(good: Sequence[Cell]) -> Iterator[str]:

@@ -29,6 +29,11 @@ def seconds(value: float) -> str:
     return f"{number(1000 * value)} ms" if value < 0.9995 else f"{number(value)} s"
 
 
+def tau(value: float) -> str:
+    """A correlation with two decimals and a true minus sign."""
+    return f"{value:.2f}".replace("-0.00", "0.00").replace("-", "−") if math.isfinite(value) else "n/a"
+
+
 def percent(share: float) -> str:
     """A share as a percentage: 0.7 is 70 %."""
     return f"{100 * share:.6g} %"

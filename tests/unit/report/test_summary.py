@@ -29,6 +29,12 @@ def test_one_winner_everywhere_with_its_lead():
     )
 
 
+def test_a_single_method_is_not_called_the_lowest():
+    text = told([cell("a", 1, reduction=0.8), cell("a", 2)])
+    assert "a has an error (eq. 27) of 1.00 to 2.00 % of the diagonal." in text
+    assert "lowest" not in text
+
+
 def test_winners_that_change_are_named_with_their_reductions():
     text = told([cell("a", 1, reduction=0.7), cell("b", 2, reduction=0.7), cell("a", 3), cell("b", 2)])
     assert "a has the lowest error (eq. 27) at 70 %" in text
@@ -72,6 +78,26 @@ def test_another_measure_with_another_winner_is_named():
         cell("b", 2, extra={other: Interval.of([3.0])}),
     ])  # fmt: skip
     assert "Other measures put another method first: b (Hausdorff distance)." in text
+
+
+def test_measures_that_share_a_beginning_are_named_in_full():
+    other = {"density_objective_pct": (9.0, 3.0), "density_objective_max_pct": (9.0, 3.0)}
+    a, b = ({key: Interval.of([pair[i]]) for key, pair in other.items()} for i in range(2))
+    text = told([cell("a", 1, extra=a), cell("b", 2, extra=b)])
+    assert (
+        "mean over 20 clusters; " in text or "; Density objective Z (eq. 14), mean over 20 clusters" in text
+    )
+    assert "Density objective Z (eq. 14), worst cluster" in text
+
+
+def test_methods_that_share_the_lead_of_a_measure_are_not_told_as_one_winner():
+    other = "hausdorff_backward_pct"
+    zero, one = {other: Interval.of([0.0])}, {other: Interval.of([1.0])}
+    best = cell("a", 1, extra=one)
+    pair = told([best, *(cell(m, 2, extra=zero) for m in "bc")])
+    many = told([best, *(cell(m, 2, extra=zero) for m in "bcde")])
+    assert "first: b and c (Largest distance of a reduced point to the original)." in pair
+    assert "first: four methods alike (Largest distance of a reduced point to the original)." in many
 
 
 def test_counts_that_were_missed_are_named():

@@ -3,7 +3,6 @@
 
 const SYMBOLS = { circle: "●", square: "■", diamond: "◆", "triangle-up": "▲", "triangle-down": "▼", cross: "✚", x: "✖" };
 let charts = null;
-const STAGE_COLOURS = ["#3b528b", "#5ec962", "#21918c", "#fde725", "#440154", "#b5367a"];
 const hiddenMethods = new Set();
 
 function chosen(id) {
@@ -30,6 +29,20 @@ function errorBar(spans) {
   };
 }
 
+function colourOf(style) {
+  return isDark() ? style.dark : style.color;
+}
+
+// Lines of text that fit a length in pixels.
+function wrapText(text, pixels) {
+  const lines = [""];
+  for (const word of text.split(" ")) {
+    if (lines.at(-1) && 7 * (lines.at(-1).length + word.length) > pixels) lines.push(word);
+    else lines[lines.length - 1] += `${lines.at(-1) && " "}${word}`;
+  }
+  return lines.map(escapeText).join("<br>");
+}
+
 function percentText(share) {
   return `${+(100 * share).toPrecision(6)} %`;
 }
@@ -42,7 +55,7 @@ function curve(method, xKey, yKey) {
     x: cells.map((c) => c.values[xKey][0]), y: cells.map((c) => c.values[yKey][0]),
     error_x: errorBar(cells.map((c) => c.values[xKey])), error_y: errorBar(cells.map((c) => c.values[yKey])),
     text: cells.map((c) => `${percentText(c.reduction)} removed`),
-    marker: { color: style.color, symbol: style.symbol, size: 8 }, line: { color: style.color, width: 1, dash: "dot" },
+    marker: { color: colourOf(style), symbol: style.symbol, size: 8 }, line: { color: colourOf(style), width: 1, dash: "dot" },
     hovertemplate: "<b>%{fullData.name}</b>, %{text}<br>%{x:.3~g} · %{y:.3~g}<extra></extra>",
   };
 }
@@ -75,20 +88,34 @@ function logTicks(values) {
 }
 
 // Logarithmic where every value allows it.
-function axis(title, values) {
+function axis(title, values, pixels) {
   const lines = { gridcolor: themeColour("--line"), zerolinecolor: themeColour("--line"), automargin: true };
-  const base = { ...lines, title: { text: title, standoff: 8 } };
+  const base = { ...lines, title: { text: wrapText(title, pixels), standoff: 8 } };
   if (!values.length || values.some((value) => value <= 0)) return base;
   const ticks = logTicks(values);
   return { ...base, type: "log", tickvals: ticks, ticktext: ticks.map((tick) => tick.toLocaleString("en", { maximumSignificantDigits: 4 })) };
 }
 
+function widthOf(id) {
+  return document.getElementById(id).clientWidth;
+}
+
+// One name per bar or row, none left out.
+function nameAxis() {
+  return { automargin: true, dtick: 1, tickfont: { size: 11 }, gridcolor: themeColour("--line") };
+}
+
+// On paper with the width of the paper; a bar of buttons only where a pointer can hover over it.
 function draw(id, traces, layout) {
   const base = {
+    width: onPaper() ? widthOf(id) : undefined, autosize: !onPaper(),
     showlegend: false, margin: { l: 56, r: 12, t: 12, b: 44 }, hovermode: "closest", dragmode: "zoom",
     paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)", font: { color: themeColour("--ink"), size: 12 },
   };
-  const config = { responsive: true, displaylogo: false, modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"] };
+  const config = {
+    responsive: true, displaylogo: false, modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"],
+    displayModeBar: matchMedia("(hover: hover)").matches ? "hover" : false,
+  };
   return Plotly.react(id, traces, { ...base, ...layout }, config);
 }
 
@@ -97,7 +124,7 @@ function drawCurves(id, xKey, measure, front) {
   const [xs, ys] = ["x", "y"].map((key) => curves.flatMap((trace) => trace[key]));
   const { headings } = charts;
   return draw(id, [...front, ...curves], {
-    xaxis: axis(headings[xKey].label, xs), yaxis: axis(headings[measure].label, ys),
+    xaxis: axis(headings[xKey].label, xs, widthOf(id) - 80), yaxis: axis(headings[measure].label, ys, 290),
   });
 }
 
@@ -111,7 +138,10 @@ function ratioTraces(measure, reference) {
     return {
       name: escapeText(method), mode: "markers", x: spans.map(([median]) => median), y: cells.map(() => escapeText(method)),
       error_x: errorBar(spans), text: cells.map((c) => `${percentText(c.reduction)} removed`),
-      marker: { color: style.color, symbol: style.symbol, size: cells.map((c) => 6 + 6 * c.reduction) },
+      marker: {
+        color: colourOf(style), symbol: style.symbol, size: cells.map((c) => 4 + 8 * c.reduction),
+        opacity: 1, line: { color: themeColour("--ground"), width: 0.5 },
+      },
       hovertemplate: "<b>%{y}</b>, %{text}<br>%{x:.3~g} times<extra></extra>",
     };
   });
@@ -124,16 +154,15 @@ function drawRatio(measure) {
   traces.sort((a, b) => Math.max(...b.x) - Math.max(...a.x));
   const line = { type: "line", x0: 1, x1: 1, y0: 0, y1: 1, yref: "paper", line: { color: themeColour("--quiet"), width: 1 } };
   return draw("chart-ratio", traces, {
-    xaxis: axis(`${charts.headings[measure].title}, times ${escapeText(reference)}`, traces.flatMap((t) => t.x)),
-    yaxis: { automargin: true, gridcolor: themeColour("--line") }, shapes: [line],
+    xaxis: axis(`${charts.headings[measure].title}, times ${reference}`, traces.flatMap((t) => t.x), widthOf("chart-ratio") - 170),
+    yaxis: nameAxis(), shapes: [line],
   });
 }
 
-// What the method says of its stages; the rest of the call is named as such.
+// What the method says of its stages, and what is left of the call.
 function stageSeconds(cell) {
-  const whole = cell.values.runtime_s[0];
   const told = Object.values(cell.timings).reduce((sum, value) => sum + value, 0);
-  return { ...cell.timings, [told > 0 ? "the rest" : "the whole call"]: Math.max(0, whole - told) };
+  return { ...cell.timings, "not told apart": Math.max(0, cell.values.runtime_s[0] - told) };
 }
 
 function drawStages() {
@@ -142,15 +171,16 @@ function drawStages() {
     .flatMap((method) => cellsOf(method, "runtime_s").filter((c) => c.reduction === reduction))
     .sort((a, b) => b.values.runtime_s[0] - a.values.runtime_s[0])
     .map((cell) => ({ method: escapeText(cell.method), stages: stageSeconds(cell) }));
-  const stages = [...new Set(rows.flatMap((row) => Object.keys(row.stages)))];
-  const traces = stages.map((stage, i) => ({
+  const colours = charts.stages.map(([stage, style]) => [stage, colourOf(style)]);
+  const stages = [...colours, ["not told apart", themeColour("--faint")]].filter(([stage]) => rows.some((row) => stage in row.stages));
+  const traces = stages.map(([stage, colour]) => ({
     type: "bar", orientation: "h", name: escapeText(stage), y: rows.map((row) => row.method), x: rows.map((row) => row.stages[stage] ?? 0),
-    marker: { color: stage.startsWith("the ") ? themeColour("--quiet") : STAGE_COLOURS[i % STAGE_COLOURS.length] },
+    marker: { color: colour, line: { color: themeColour("--ground"), width: 0.5 } },
     hovertemplate: "<b>%{y}</b>, %{fullData.name}<br>%{x:.3~g} s<extra></extra>",
   }));
   return draw("chart-stages", traces, {
-    barmode: "stack", showlegend: true, legend: { orientation: "h", y: -0.18, traceorder: "normal" },
-    xaxis: { ...axis("Seconds", []), rangemode: "tozero" }, yaxis: { automargin: true, autorange: "reversed" },
+    barmode: "stack", showlegend: true, legend: { orientation: "h", x: 0, xref: "container", y: 0, yref: "container", traceorder: "normal" },
+    xaxis: { ...axis("Seconds", [], 200), rangemode: "tozero" }, yaxis: { ...nameAxis(), autorange: "reversed" },
   });
 }
 
@@ -173,6 +203,15 @@ function toggleMethod(button) {
   drawCharts();
 }
 
+// One method at full strength and the others faint; all alike with no method.
+function pickOut(method) {
+  for (const id of ["chart-runtime", "chart-count", "chart-ratio"]) {
+    const { data } = document.getElementById(id);
+    const faint = (trace) => method !== null && trace.name !== escapeText(method);
+    if (data) Plotly.restyle(id, { opacity: data.map((trace) => (faint(trace) ? 0.12 : 1)) });
+  }
+}
+
 function startLegend() {
   for (const [method, style] of Object.entries(charts.methods)) {
     const button = document.createElement("button");
@@ -181,10 +220,12 @@ function startLegend() {
     button.dataset.method = method;
     button.setAttribute("aria-pressed", "true");
     symbol.className = "symbol";
-    symbol.style.color = style.color;
+    symbol.style.color = `light-dark(${style.color}, ${style.dark})`;
     symbol.textContent = SYMBOLS[style.symbol];
     button.append(symbol, method);
     button.addEventListener("click", () => toggleMethod(button));
+    button.addEventListener("mouseenter", () => pickOut(method));
+    button.addEventListener("mouseleave", () => pickOut(null));
     document.getElementById("chart-legend").append(button);
   }
 }
@@ -193,7 +234,7 @@ function startCharts() {
   if (!document.getElementById("chart-runtime")) return;
   charts = JSON.parse(document.getElementById("chart-data").textContent);
   startLegend();
-  const height = 110 + 22 * Object.keys(charts.methods).length;
+  const height = 130 + 20 * Object.keys(charts.methods).length + 8 * charts.stages.length;
   for (const tall of document.querySelectorAll(".chart.tall")) tall.style.height = `${Math.max(300, height)}px`;
   for (const id of ["chart-model", "chart-measure", "chart-reference", "chart-reduction"]) {
     document.getElementById(id).addEventListener("change", drawCharts);

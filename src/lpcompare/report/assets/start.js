@@ -6,6 +6,7 @@ if (typeof startCharts === "function") startCharts();
 startViews();
 watchPrint(() => {
   if (typeof drawCharts === "function") drawCharts();
+  showStills(onPaper());
 });
 watchTheme(() => {
   if (typeof drawCharts === "function" && document.querySelector("#chart-runtime .plot-container")) drawCharts();

@@ -16,17 +16,23 @@ function themeColour(name) {
   return colour;
 }
 
-// On paper everything is light.
+function onPaper() {
+  return document.documentElement.classList.contains("paper");
+}
+
+// On paper everything is light, and as wide as the paper.
 function watchPrint(redraw) {
-  const style = document.documentElement.style;
+  const { style, classList } = document.documentElement;
   let wish = "";
   addEventListener("beforeprint", () => {
     wish = style.colorScheme;
     style.colorScheme = "light";
+    classList.add("paper");
     redraw();
   });
   addEventListener("afterprint", () => {
     style.colorScheme = wish;
+    classList.remove("paper");
     redraw();
   });
 }

@@ -198,6 +198,19 @@ function attributesOf(row) {
   return Object.entries(view.model.attributes ?? {}).map(([name, values]) => ` · ${name} ${decodeScalar(values)[row].toPrecision(4)}`).join("");
 }
 
+// WebGL does not reach paper: in its place a picture of what each scene shows.
+function showStills(wanted) {
+  for (const still of document.querySelectorAll("#view-grid .still")) still.remove();
+  if (!wanted) return;
+  for (const scene of scenes().filter((drawn) => drawn.linked)) {
+    scene._fullLayout.scene._scene.glplot.redraw();
+    const source = scene.querySelector("canvas");
+    const still = Object.assign(document.createElement("canvas"), { className: "still", width: source.width, height: source.height });
+    still.getContext("2d").drawImage(source, 0, 0);
+    scene.after(still);
+  }
+}
+
 // --- controls -----------------------------------------------------------------------------------------
 
 function fillSelect(id, options, value) {
