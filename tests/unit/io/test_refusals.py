@@ -114,6 +114,14 @@ def test_faces_that_name_no_point(tmp_path):
     assert "a face names point 3" in refused(tmp_path / "a.obj")
 
 
+def test_a_pcd_with_more_values_a_point_than_anyone_stores(tmp_path):
+    """Its reader would name every one of them, until the memory is full."""
+    write_point_cloud(tmp_path / "a.pcd", PointCloud(np.zeros((2, 3)), attributes={"t": np.zeros(2)}))
+    content = (tmp_path / "a.pcd").read_bytes()
+    (tmp_path / "a.pcd").write_bytes(content.replace(b"COUNT 1 1 1 1", b"COUNT 1 1 1 9999999999"))
+    assert "more than 9999 values a point" in refused(tmp_path / "a.pcd")
+
+
 def test_nothing_is_left_of_a_failed_write(cloud, tmp_path):
     with pytest.raises(InputError, match="does not exist"):
         write_point_cloud(tmp_path / "nowhere" / "a.ply", cloud)
