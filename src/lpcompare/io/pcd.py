@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pypcd4 import Encoding
+from pypcd4.pypcd4 import Encoding
 from pypcd4.pypcd4 import PointCloud as PcdFile
 
 from lpcompare.io.checks import checked_points
