@@ -58,7 +58,7 @@ def write(path: Path, cloud: PointCloud) -> None:
         flat = values.reshape(len(cloud), -1)
         suffixes = [""] if flat.shape[1] == 1 else [f"_{i}" for i in range(flat.shape[1])]
         columns |= {f"{name}{s}".replace(" ", "_"): c for s, c in zip(suffixes, flat.T, strict=True)}
-    plain = [c.astype(np.uint8) if c.dtype.kind == "b" else c for c in columns.values()]
+    plain = [c.astype(_plain_type(c.dtype)) for c in columns.values()]
     PcdFile.from_points(plain, tuple(columns), tuple(c.dtype for c in plain)).save(path)
 
 
@@ -127,6 +127,13 @@ def _binary_rows(file: PcdFile, rows: Indices) -> bytes:
     out = BytesIO()
     PcdFile(file.metadata.derive(points=len(rows)), file.pc_data[rows]).save(out, file.metadata.data)
     return b"DATA " + out.getvalue().partition(b"\nDATA ")[2]
+
+
+def _plain_type(dtype: np.dtype[Any]) -> np.dtype[Any]:
+    """The type of PCD that holds the values: this machine's byte order, no booleans, no half precision."""
+    if dtype.kind == "b":
+        return np.dtype(np.uint8)
+    return np.dtype(np.float32) if dtype == np.float16 else dtype.newbyteorder("=")
 
 
 def _unpacked(packed: NDArray[Any], with_alpha: bool) -> NDArray[np.float64]:

@@ -56,6 +56,14 @@ def test_attributes_survive(suffix, cloud, tmp_path):
         assert np.array_equal(again.attributes[name], values), name
 
 
+@pytest.mark.parametrize("suffix", [".ply", ".npz", ".pcd", ".txt", ".las"])
+@pytest.mark.parametrize("kind", [">f4", ">i4", "<u2", "?"])
+def test_attributes_of_every_byte_order_survive(suffix, kind, tmp_path):
+    values = np.array([0, 1, 1], dtype=kind)
+    write_point_cloud(tmp_path / f"a{suffix}", PointCloud(np.eye(3), attributes={"v": values}))
+    assert np.array_equal(read_point_cloud(tmp_path / f"a{suffix}").attributes["v"], values)
+
+
 @pytest.mark.parametrize("suffix", [".ply", ".npz", ".pcd", ".las", ".obj", ".off"])
 def test_colours_survive(suffix, cloud, tmp_path):
     write_point_cloud(tmp_path / f"cloud{suffix}", cloud)
