@@ -109,6 +109,16 @@ def test_another_format_says_what_it_cannot_hold(lpcompare, cloud, tmp_path):
     assert b".off holds no attributes" in out
 
 
+@pytest.mark.parametrize("suffix", [".ply", ".off"])
+def test_faces_of_a_mesh_are_left_out_and_said_so(suffix, lpcompare, cloud, tmp_path):
+    mesh = PointCloud(cloud.points, faces=np.array([[0, 1, 2], [2, 3, 4]]))
+    write_point_cloud(tmp_path / "mesh.ply", mesh)
+    code, out, _ = lpcompare(tmp_path / "mesh.ply", tmp_path / f"t{suffix}", *QUICK)
+    assert code == 0
+    assert out.count(b"faces are left out") == 1
+    assert read_point_cloud(tmp_path / f"t{suffix}").faces is None
+
+
 def test_moved_points_are_written_without_attributes_and_said_so(lpcompare, tmp_path):
     ball = np.random.default_rng(0).normal(size=(300, 3))
     write_point_cloud(tmp_path / "scan.ply", PointCloud(ball, attributes={"label": np.arange(300)}))

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from lpcompare.types import Indices, PointCloud, Points
 
 STANDARD_OUTPUT = "-"
+_FACES_LEFT_OUT = "; the result is a cloud, so that faces are left out"
 
 
 @dataclass(frozen=True)
@@ -143,7 +144,7 @@ def _write(source: Path, path: Path, cloud: PointCloud, points: Points, rows: In
         return "; points were moved, so that only coordinates are written"
     if same_format(source, path):
         keep_rows(source, path, rows)
-        return ""
+        return _FACES_LEFT_OUT if cloud.faces is not None else ""
     kept = PointCloud(
         points,
         normals=None if cloud.normals is None else cloud.normals[rows],
@@ -153,7 +154,8 @@ def _write(source: Path, path: Path, cloud: PointCloud, points: Points, rows: In
     )
     write_point_cloud(path, kept)
     lost = left_out(path, kept)
-    return f"; {path.suffix} holds no {' and no '.join(lost)}" if lost else ""
+    note = f"; {path.suffix} holds no {' and no '.join(lost)}" if lost else ""
+    return note + (_FACES_LEFT_OUT if cloud.faces is not None else "")
 
 
 @contextmanager

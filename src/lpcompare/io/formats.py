@@ -68,10 +68,13 @@ def write_point_cloud(path: str | os.PathLike[str], cloud: PointCloud) -> None:
     Raises
     ------
     InputError
-        The format cannot be written, or the folder does not exist or is not writable.
+        The format cannot be written or holds no such attribute, or the folder does not exist or is not
+        writable.
     """
     path = Path(path)
     family = _writable(path)
+    if family != "arrays":
+        _check_numbers(path, cloud)
     with beside(path) as part:
         _module(family).write(part, cloud)
 
@@ -166,6 +169,15 @@ def _real_target(path: Path) -> Path:
     if not target.parent.is_dir():
         raise InputError(f"The folder {path.parent} does not exist; create it or name another.")
     return target
+
+
+def _check_numbers(path: Path, cloud: PointCloud) -> None:
+    for name, values in cloud.attributes.items():
+        if values.dtype.kind not in "biuf":
+            raise InputError(
+                f"{path} cannot hold the attribute {name!r} of type {values.dtype}, only real numbers; "
+                "write to .npz, or remove the attribute."
+            )
 
 
 def _has(cloud: PointCloud, part: str) -> bool:

@@ -1,12 +1,15 @@
-"""PCD of the Point Cloud Library (pypcd4): every field in its own type, the viewpoint and the encoding."""
+"""PCD of the Point Cloud Library (pypcd4): every field in its own type, the header and the encoding."""
 
 from __future__ import annotations
 
+import re
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from pypcd4.pypcd4 import Encoding
 from pypcd4.pypcd4 import PointCloud as PcdFile
 
 from lpcompare.io.checks import checked_points
@@ -17,6 +20,7 @@ HOLDS = frozenset({"normals", "colors", "attributes"})
 _AXES = ("x", "y", "z")
 _NORMALS = ("normal_x", "normal_y", "normal_z")
 _PADDING = "#"
+_LARGEST_COUNT = 9999
 
 
 def read(path: Path) -> PointCloud:
@@ -54,25 +58,82 @@ def write(path: Path, cloud: PointCloud) -> None:
         flat = values.reshape(len(cloud), -1)
         suffixes = [""] if flat.shape[1] == 1 else [f"_{i}" for i in range(flat.shape[1])]
         columns |= {f"{name}{s}".replace(" ", "_"): c for s, c in zip(suffixes, flat.T, strict=True)}
-    plain = [c.astype(np.uint8) if c.dtype.kind == "b" else c for c in columns.values()]
+    plain = [c.astype(_plain_type(c.dtype)) for c in columns.values()]
     PcdFile.from_points(plain, tuple(columns), tuple(c.dtype for c in plain)).save(path)
 
 
 def keep_rows(source: Path, target: Path, rows: Indices) -> None:
-    """The same fields, viewpoint and encoding; an image-like cloud becomes a list of points."""
-    file = _open(source)
-    header = file.metadata.derive(points=len(rows), width=len(rows), height=1)
-    PcdFile(header, np.atleast_1d(file.pc_data)[rows]).save(target, encoding=header.data)
+    """The same header, encoding and values; an image-like cloud becomes a list of points.
+
+    Rows of text are the file's own: pypcd4 would cut their numbers to ten decimals.
+    """
+    file, head, size = _open(source), _head(source), b"%d" % len(rows)
+    counts = {b"WIDTH": size, b"HEIGHT": b"1", b"POINTS": size}
+    for i, line in enumerate(head):
+        key = _key(line)
+        if key in counts:
+            head[i] = re.sub(rb"\d+", counts[key], line, count=1)
+    text = file.metadata.data == Encoding.ASCII
+    body = _text_rows(source, head, rows) if text else _binary_rows(file, rows)
+    target.write_bytes(b"".join(head) + body)
 
 
 def _open(path: Path) -> PcdFile:
-    """The whole file; another number of points than the header says is a `ValueError`."""
+    """The whole file.
+
+    Raises
+    ------
+    ValueError
+        Another number of points than the header says, or more values a point than anyone stores, for
+        which pypcd4 would take all memory.
+    """
+    for line in _head(path):
+        if _key(line) == b"COUNT" and any(int(value) > _LARGEST_COUNT for value in line.split()[1:]):
+            raise ValueError(f"a field has more than {_LARGEST_COUNT} values a point")
     file = PcdFile.from_path(path)
     file.pc_data = np.atleast_1d(file.pc_data)
     promised = max(file.metadata.points, file.metadata.width * file.metadata.height)
     if len(file.pc_data) != promised:
         raise ValueError(f"it promises {promised} points and holds {len(file.pc_data)}")
     return file
+
+
+def _head(path: Path) -> list[bytes]:
+    """Lines of the header with its comments, without the last one, which names the encoding."""
+    lines: list[bytes] = []
+    with path.open("rb") as file:
+        for line in file:
+            if line.strip().startswith(b"DATA"):
+                return lines
+            lines.append(line)
+    raise ValueError("its header has no line DATA")
+
+
+def _key(line: bytes) -> bytes:
+    """What a line of the header is about."""
+    return line.strip().partition(b" ")[0].upper()
+
+
+def _text_rows(path: Path, head: list[bytes], rows: Indices) -> bytes:
+    """The line of the encoding and those of some points."""
+    with path.open("rb") as file:
+        encoding, *lines = list(file)[len(head) :]
+    points = [line for line in lines if line.partition(b"#")[0].strip()]
+    return encoding + b"".join(points[i] for i in rows)
+
+
+def _binary_rows(file: PcdFile, rows: Indices) -> bytes:
+    """The line of the encoding and some points; what cannot be made smaller pypcd4 leaves uncompressed."""
+    out = BytesIO()
+    PcdFile(file.metadata.derive(points=len(rows)), file.pc_data[rows]).save(out, file.metadata.data)
+    return b"DATA " + out.getvalue().partition(b"\nDATA ")[2]
+
+
+def _plain_type(dtype: np.dtype[Any]) -> np.dtype[Any]:
+    """The type of PCD that holds the values: this machine's byte order, no booleans, no half precision."""
+    if dtype.kind == "b":
+        return np.dtype(np.uint8)
+    return np.dtype(np.float32) if dtype == np.float16 else dtype.newbyteorder("=")
 
 
 def _unpacked(packed: NDArray[Any], with_alpha: bool) -> NDArray[np.float64]:

@@ -54,6 +54,7 @@ def write(path: Path, cloud: PointCloud) -> None:
         columns |= {c: cloud.colors[:, i] for i, c in enumerate(("red", "green", "blue", "alpha"))}
     for name, values in cloud.attributes.items():
         flat = values.reshape(len(cloud), -1)
+        flat = flat.astype(np.uint8) if flat.dtype.kind == "b" else flat  # "True" could not be read back
         suffixes = [""] if flat.shape[1] == 1 else [f"_{i}" for i in range(flat.shape[1])]
         columns |= {re.sub(r"[\s,;]+", "_", name) + s: c for s, c in zip(suffixes, flat.T, strict=True)}
     separator = "," if path.suffix.lower() == ".csv" else " "

@@ -109,9 +109,26 @@ def test_decimal_commas_are_not_taken_for_separators(tmp_path):
     assert "decimal commas" in refused(tmp_path / "a.csv")
 
 
+@pytest.mark.parametrize("suffix", [".ply", ".pcd", ".laz", ".csv"])
+@pytest.mark.parametrize("values", [np.array(["a", "b"]), np.array([1j, 2j])])
+def test_attributes_that_are_no_real_numbers(suffix, values, tmp_path):
+    spoilt = PointCloud(np.eye(3)[:2], attributes={"kind": values})
+    with pytest.raises(InputError, match=r"cannot hold the attribute 'kind' of type .*write to \.npz"):
+        write_point_cloud(tmp_path / f"a{suffix}", spoilt)
+    assert not any(tmp_path.iterdir())
+
+
 def test_faces_that_name_no_point(tmp_path):
     (tmp_path / "a.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n")
     assert "a face names point 3" in refused(tmp_path / "a.obj")
+
+
+def test_a_pcd_with_more_values_a_point_than_anyone_stores(tmp_path):
+    """Its reader would name every one of them, until the memory is full."""
+    write_point_cloud(tmp_path / "a.pcd", PointCloud(np.zeros((2, 3)), attributes={"t": np.zeros(2)}))
+    content = (tmp_path / "a.pcd").read_bytes()
+    (tmp_path / "a.pcd").write_bytes(content.replace(b"COUNT 1 1 1 1", b"COUNT 1 1 1 9999999999"))
+    assert "more than 9999 values a point" in refused(tmp_path / "a.pcd")
 
 
 def test_nothing_is_left_of_a_failed_write(cloud, tmp_path):
@@ -122,7 +139,7 @@ def test_nothing_is_left_of_a_failed_write(cloud, tmp_path):
         write_point_cloud(tmp_path / "pipe.ply", cloud)
     (tmp_path / "pipe.ply").unlink()
     (tmp_path / "a.ply").write_text("precious")
-    with pytest.raises(Exception, match=r".+"):
+    with pytest.raises(InputError, match="cannot hold the attribute 'x'"):
         write_point_cloud(tmp_path / "a.ply", PointCloud(cloud.points, attributes={"x": np.array(["text"])}))
     assert [p.read_text() for p in tmp_path.iterdir()] == ["precious"]
 
