@@ -48,6 +48,7 @@ def draw_errors(rows: Rows, model: str, path: Path) -> None:
             _draw_curves(axes, where(rows, reading=reading, retention=retention))
             axes.set_title(f"{reading}, {retention}", fontsize=10)
         axes_row[0].set_ylabel("eq. 27 error, % of diagonal")
+        axes_row[0].set_ylim(bottom=0)  # once all curves of the row are drawn: it ends the scaling to them
     for axes in grid[-1]:
         axes.set_xlabel("clusters K")
     grid[0][0].legend(frameon=False, title="reduction")
@@ -63,7 +64,6 @@ def _draw_curves(axes, rows: Rows) -> None:
         axes.fill_between(
             k, [s.min() for s in seeds], [s.max() for s in seeds], color=_RATES[rate], alpha=0.2, lw=0
         )
-    axes.set_ylim(bottom=0)
     axes.grid(alpha=0.3)
 
 
