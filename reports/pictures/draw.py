@@ -87,4 +87,4 @@ def shoot_page(run_folder: Path, out: Path) -> None:
 
 if __name__ == "__main__":
     draw_bunny(Path(sys.argv[1]), FOLDER / "bunny.png")
-    shoot_page(Path(sys.argv[1]), FOLDER / "page.png")
+    shoot_page(Path(sys.argv[1]), FOLDER.parents[1] / "docs" / "images" / "report.png")
