@@ -43,7 +43,7 @@ def write_study_page(run: Run, out: Path, reference: str = "") -> Path:
 
 def _lines(run: Run, cells: Sequence[Cell], reference: str) -> Iterator[str]:
     facts = run.environment
-    yield f"# {escape(str(run.plan.get('title') or 'Comparison'))}"
+    yield f"# Methods compared: {escape(listing(distinct(cells, 'model')))}"
     yield ""
     yield f"    {facts['command']}"
     yield ""
@@ -108,7 +108,8 @@ def _model_table(cells: Sequence[Cell], reference: str) -> Iterator[str]:
     rates = listing([percent(r) for r in sorted(distinct(cells, "reduction"))])
     yield f"## Eq. 27 error by model, as a multiple of {escape(reference)}'s"
     yield ""
-    yield f"Geometric mean over {rates} removed; last column: median runtime over all cases."
+    yield f"Geometric mean over {rates} removed; last column: median runtime over all cases. Models differ in"
+    yield "size and the machine may have been shared: runtimes are compared by a run of repeats on one model."
     yield ""
     yield f"| method | {' | '.join(escape(m) for m in models)} | runtime |"
     yield f"|---|{'---:|' * (len(models) + 1)}"

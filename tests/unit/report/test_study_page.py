@@ -15,7 +15,7 @@ def record(method, model, error, status="ok", message=""):
 
 
 def page(tmp_path, records):
-    run = Run(tmp_path, {"title": "A study"}, FACTS | {"python": "3"}, {}, tuple(records), True)
+    run = Run(tmp_path, {}, FACTS | {"python": "3"}, {}, tuple(records), True)
     return write_study_page(run, tmp_path / "README.md").read_text(encoding="utf-8")
 
 
