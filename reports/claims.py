@@ -31,9 +31,7 @@ def column(rows: list[Row], name: str, **wanted: str) -> list[float]:
 
 def _ratios(rows: list[Row], method: str, reference: str, metric: str) -> list[float]:
     """A method's metric over the reference's, for every model and reduction that both have."""
-    found = {
-        (r["method"], r["model"], r["reduction"]): float(r[metric]) for r in rows if r["status"] == "ok"
-    }
+    found = {(r["method"], r["model"], r["reduction"]): float(r[metric]) for r in rows if r["status"] == "ok"}
     cases = [key[1:] for key in found if key[0] == method and (reference, *key[1:]) in found]
     return [found[method, *case] / found[reference, *case] for case in cases]
 
