@@ -7,10 +7,11 @@ from __future__ import annotations
 
 import csv
 import json
-import math
+import runpy
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from statistics import geometric_mean
 
 FOLDER = Path(__file__).resolve().parent
 MESH_RIVALS = ("quadric_collapse", "quadric_decimation")
@@ -29,33 +30,23 @@ def column(rows: list[Row], name: str, **wanted: str) -> list[float]:
     return [float(r[name]) for r in rows if all(r[k] == v for k, v in wanted.items())]
 
 
-def _ratios(rows: list[Row], method: str, reference: str, metric: str) -> list[float]:
-    """A method's metric over the reference's, for every model and reduction that both have."""
-    found = {(r["method"], r["model"], r["reduction"]): float(r[metric]) for r in rows if r["status"] == "ok"}
-    cases = [key[1:] for key in found if key[0] == method and (reference, *key[1:]) in found]
-    return [found[method, *case] / found[reference, *case] for case in cases]
-
-
-def _mean(values: list[float]) -> float:
-    """Geometric mean."""
-    return math.exp(sum(map(math.log, values)) / len(values))
-
-
 def uniform() -> Iterator[tuple[str, str, str]]:
     """What `lp_uniform` and `lp_placed` reach."""
-    rows = read("uniform/records.csv")
+    study = runpy.run_path(str(FOLDER / "uniform" / "ratios.py"))
+    cases = study["read"](FOLDER / "uniform" / "records.csv")
     source = "[uniform](reports/uniform/README.md)"
     for method, what in (("lp_uniform", "a subset of the raw points"), ("lp_placed", "its points moved")):
-        ratios = _ratios(rows, method, "poisson_disk", "plane_error_pct")
-        surface = _ratios(rows, method, "poisson_disk", "surface_distance_pct")
+        found = study["ratios"](cases, method).values()
+        ratios, surface = ([r[k] for r in found] for k in ("plane_error_pct", "surface_distance_pct"))
         yield (
             f"`{method}`, {what}: eq. 27 error as a multiple of Poisson disk sampling's at equal counts",
-            f"{_mean(ratios):.2f} over {len(ratios)} cases, worst {max(ratios):.2f}; "
-            f"triangulated surface {_mean(surface):.2f}",
+            f"{geometric_mean(ratios):.2f} over {len(ratios)} cases, worst {max(ratios):.2f}; "
+            f"triangulated surface {geometric_mean(surface):.2f}",
             source,
         )
-    wins = {m: _ratios(rows, "lp_uniform", m, "plane_error_pct") for m in MESH_RIVALS}
-    told = "; ".join(f"{sum(r < 1 for r in ratios)} of {len(ratios)} ({m})" for m, ratios in wins.items())
+    rivals = {m: study["ratios"](cases, "lp_uniform", m).values() for m in MESH_RIVALS}
+    wins = {m: [r["plane_error_pct"] < 1 for r in found] for m, found in rivals.items()}
+    told = "; ".join(f"{sum(won)} of {len(won)} ({m})" for m, won in wins.items())
     yield "`lp_uniform` below the quadric methods, which have the mesh", told, source
 
 

@@ -11,6 +11,7 @@ import math
 import sys
 from collections import defaultdict
 from pathlib import Path
+from statistics import geometric_mean
 
 REFERENCE = "poisson_disk"
 COLUMNS = {
@@ -36,12 +37,12 @@ def read(path: Path) -> dict[tuple[str, str], dict[str, dict[str, float]]]:
     return cases
 
 
-def ratios(cases: dict, method: str) -> dict[tuple[str, str], dict[str, float]]:
+def ratios(cases: dict, method: str, reference: str = REFERENCE) -> dict[tuple[str, str], dict[str, float]]:
     """Each metric of ``method`` over that of the reference, case by case."""
     return {
-        case: {name: rows[method][name] / rows[REFERENCE][name] for name in COLUMNS}
+        case: {name: rows[method][name] / rows[reference][name] for name in COLUMNS}
         for case, rows in cases.items()
-        if method in rows and REFERENCE in rows
+        if method in rows and reference in rows
     }
 
 
@@ -73,8 +74,7 @@ def by_case(cases: dict, method: str) -> list[str]:
 
 
 def _mean_and_worst(values: list[float]) -> str:
-    mean = math.exp(sum(math.log(value) for value in values) / len(values))
-    return f"{mean:.2f} ({max(values):.2f})"
+    return f"{geometric_mean(values):.2f} ({max(values):.2f})"
 
 
 def _line(*cells: str) -> str:
