@@ -1,13 +1,10 @@
 """HiGHS given a starting solution, for a cvxpy problem.
 
-cvxpy's own warm start only reuses its previous solve, so the problem's data go to highspy directly and the
-solution comes back through cvxpy.
+cvxpy's own warm start only reuses its previous solve, so the problem's data go to highspy directly.
 """
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Mapping
 from dataclasses import dataclass
 from threading import Event
 from typing import Any
@@ -15,9 +12,9 @@ from typing import Any
 import cvxpy as cp
 import highspy
 import numpy as np
-from numpy.typing import NDArray
 
 from lpcompare.errors import SolverError
+from lpcompare.types import Indices, Mask, Vector
 
 _OPTIONS = {
     "threads": 1,
@@ -38,7 +35,7 @@ class _QuietHighs(highspy.Highs):
         super().enableCallbacks()
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Outcome:
     """How HiGHS ended.
 
@@ -48,123 +45,134 @@ class Outcome:
         "optimal", "time limit" or "interrupted".
     bound : float
         Lower bound on the objective that HiGHS proved.
+    values : ndarray, shape (c,)
+        The solution, in the order of the columns that were asked for.
     """
 
     status: str
     bound: float
+    values: Vector
 
 
-def solve_from(
-    problem: cp.Problem,
-    start: Mapping[cp.Variable, NDArray[Any]],
-    *,
-    objective_target: float,
-    time_limit: float,
-    gap: float,
-    cancelled: Event | None = None,
-) -> Outcome:
-    """Solve a mixed-integer linear problem from a starting solution; the variables of ``problem`` get values.
+class Canonical:
+    """A mixed-integer linear problem of cvxpy in its matrix form, which may be solved block by block.
+
+    cvxpy takes as long for one small problem as for many at once. Problems that share no variable are
+    therefore written as one, brought into matrix form together, and solved each on its own columns.
 
     Parameters
     ----------
     problem : cvxpy.Problem
         A linear objective and linear constraints over boolean and continuous variables.
-    start : mapping of cvxpy.Variable to ndarray
-        A feasible value of every variable.
-    objective_target : float
-        A solution at least this good ends the search; it counts as optimal.
-    time_limit : float
-        Seconds; at the limit the best solution so far is kept.
-    gap : float
-        Relative gap between solution and bound that counts as optimal.
-    cancelled : threading.Event, optional
-        HiGHS gives up soon after it is set.
-
-    Returns
-    -------
-    Outcome
-
-    Raises
-    ------
-    SolverError
-        HiGHS ended without a solution.
     """
-    data, chain, inverse = problem.get_problem_data(cp.HIGHS)
-    solver = _QuietHighs()
-    options = _OPTIONS | {"objective_target": objective_target, "time_limit": time_limit, "mip_rel_gap": gap}
-    for name, value in options.items():
-        solver.setOptionValue(name, value)
-    solver.passModel(_model(data))
-    solver.setSolution(_start_solution(data, start))
-    if cancelled is not None:
-        _watch(solver, cancelled)
-    solver.run()
-    results = {
-        "solution": solver.getSolution(),
-        "info": solver.getInfo(),
-        "model_status": solver.getModelStatus().name,
-        "run_time": solver.getRunTime(),
-    }
-    return _unpack(problem, results, chain, inverse)
+
+    def __init__(self, problem: cp.Problem) -> None:
+        data = problem.get_problem_data(cp.HIGHS)[0]
+        self._matrix = data["A"].tocsc()
+        self._costs, self._right, self._n_equalities = data["c"], data["b"], data["dims"].zero
+        self._boolean = np.isin(np.arange(len(self._costs)), data["bool_vars_idx"])
+        self._lower, self._upper = _bounds(data, self._boolean)
+        self._first = data["param_prob"].var_id_to_col
+
+    def columns(self, variable: cp.Variable) -> Indices:
+        """The matrix columns of a variable of the problem, shape (size,)."""
+        first = self._first[variable.id]
+        return np.arange(first, first + variable.size)
+
+    def solve_from(
+        self,
+        columns: Indices,
+        start: Vector,
+        *,
+        objective_target: float,
+        time_limit: float,
+        gap: float,
+        cancelled: Event | None = None,
+    ) -> Outcome:
+        """Solve the block of some columns from a starting solution.
+
+        Parameters
+        ----------
+        columns : ndarray of int, shape (c,)
+            Columns that share no row with any other.
+        start : ndarray, shape (c,)
+            A feasible value of each.
+        objective_target : float
+            A solution at least this good ends the search; it counts as optimal.
+        time_limit : float
+            Seconds; at the limit the best solution so far is kept.
+        gap : float
+            Relative gap between solution and bound that counts as optimal.
+        cancelled : threading.Event, optional
+            HiGHS gives up soon after it is set.
+
+        Returns
+        -------
+        Outcome
+
+        Raises
+        ------
+        SolverError
+            HiGHS ended without a solution.
+        """
+        solver = _QuietHighs()
+        options = {"objective_target": objective_target, "time_limit": time_limit, "mip_rel_gap": gap}
+        for name, value in (_OPTIONS | options).items():
+            solver.setOptionValue(name, value)
+        self._pass_model(solver, columns)
+        solution = highspy.HighsSolution()
+        solution.col_value = start.tolist()
+        solution.value_valid = True
+        solver.setSolution(solution)
+        if cancelled is not None:
+            _watch(solver, cancelled)
+        solver.run()
+        return _outcome(solver)
+
+    def _pass_model(self, solver: highspy.Highs, columns: Indices) -> None:
+        """Hand over the rows that touch the columns, equalities first, then rows at most b."""
+        matrix = self._matrix[:, columns]
+        touched = np.bincount(matrix.indices, minlength=len(self._right)) > 0
+        rows, right = np.flatnonzero(touched), self._right[touched]
+        integer, continuous = highspy.HighsVarType.kInteger, highspy.HighsVarType.kContinuous
+        # the arrays as such: an attribute of a HighsLp is copied number by number
+        solver.passModel(
+            len(columns),
+            len(rows),
+            matrix.nnz,
+            int(highspy.MatrixFormat.kColwise),
+            int(highspy.ObjSense.kMinimize),
+            0.0,
+            self._costs[columns],
+            self._lower[columns],
+            self._upper[columns],
+            np.where(rows < self._n_equalities, right, -highspy.kHighsInf),
+            right,
+            matrix.indptr.astype(np.int32),
+            (np.cumsum(touched, dtype=np.int32) - 1)[matrix.indices],
+            matrix.data,
+            np.where(self._boolean[columns], int(integer), int(continuous)).astype(np.int32),
+        )
 
 
-def _unpack(problem: cp.Problem, results: dict[str, Any], chain: Any, inverse: Any) -> Outcome:
-    status = results["model_status"]
-    if status not in _HAS_SOLUTION or not results["solution"].value_valid:
+def _outcome(solver: highspy.Highs) -> Outcome:
+    status, solution = solver.getModelStatus().name, solver.getSolution()
+    if status not in _HAS_SOLUTION or not solution.value_valid:
         raise SolverError(
             f"HiGHS ended with {status} and no solution; raise time_limit or try another solver."
         )
-    with warnings.catch_warnings():
-        # cvxpy warns of a limit; here the target is one, and the caller recomputes the objective itself
-        warnings.simplefilter("ignore", UserWarning)
-        problem.unpack_results(results | {"model_status": "kOptimal"}, chain, inverse)
     named = {"kTimeLimit": "time limit", "kSolutionLimit": "time limit", "kInterrupt": "interrupted"}
-    return Outcome(named.get(status, "optimal"), float(results["info"].mip_dual_bound))
+    bound = float(solver.getInfo().mip_dual_bound)
+    return Outcome(named.get(status, "optimal"), bound, np.array(solution.col_value))
 
 
-def _model(data: dict[str, Any]) -> highspy.HighsModel:
-    """The problem data of cvxpy as a HiGHS model: equalities first, then rows at most b."""
-    matrix = data["A"].tocsc()
-    n_rows, n_columns = matrix.shape
-    boolean = np.asarray(data["bool_vars_idx"], dtype=int)
-    model = highspy.HighsModel()
-    lp = model.lp_
-    lp.num_col_, lp.num_row_ = n_columns, n_rows
-    lp.col_cost_ = data["c"]
-    lp.row_upper_ = data["b"]
-    lp.row_lower_ = np.where(np.arange(n_rows) < data["dims"].zero, data["b"], -highspy.kHighsInf)
-    lp.a_matrix_.format_ = highspy.MatrixFormat.kColwise
-    lp.a_matrix_.start_ = matrix.indptr
-    lp.a_matrix_.index_ = matrix.indices
-    lp.a_matrix_.value_ = matrix.data
-    lp.col_lower_, lp.col_upper_ = _bounds(data, n_columns, boolean)
-    kinds = np.full(n_columns, highspy.HighsVarType.kContinuous, dtype=object)
-    kinds[boolean] = highspy.HighsVarType.kInteger
-    lp.integrality_ = kinds.tolist()
-    return model
-
-
-def _bounds(
-    data: dict[str, Any], n_columns: int, boolean: NDArray[np.intp]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _bounds(data: dict[str, Any], boolean: Mask) -> tuple[Vector, Vector]:
     lower, upper = data["lower_bounds"], data["upper_bounds"]
-    lower = np.full(n_columns, -highspy.kHighsInf) if lower is None else np.array(lower, dtype=float)
-    upper = np.full(n_columns, highspy.kHighsInf) if upper is None else np.array(upper, dtype=float)
+    lower = np.full(len(boolean), -highspy.kHighsInf) if lower is None else np.array(lower, dtype=float)
+    upper = np.full(len(boolean), highspy.kHighsInf) if upper is None else np.array(upper, dtype=float)
     lower[boolean] = np.maximum(lower[boolean], 0.0)
     upper[boolean] = np.minimum(upper[boolean], 1.0)
     return lower, upper
-
-
-def _start_solution(data: dict[str, Any], start: Mapping[cp.Variable, NDArray[Any]]) -> highspy.HighsSolution:
-    columns = data["param_prob"].var_id_to_col
-    values = np.zeros(data["A"].shape[1])
-    for variable, value in start.items():
-        first = columns[variable.id]
-        values[first : first + variable.size] = np.ravel(value, order="F")
-    solution = highspy.HighsSolution()
-    solution.col_value = values.tolist()
-    solution.value_valid = True
-    return solution
 
 
 def _watch(solver: highspy.Highs, cancelled: Event) -> None:

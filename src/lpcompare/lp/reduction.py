@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from threading import Event
 
 import numpy as np
 
@@ -11,7 +10,7 @@ from lpcompare.geometry.threads import Progress, map_in_threads
 from lpcompare.lp.budget import allocate_budget, split_budget
 from lpcompare.lp.certificate import Certificate, DensityGoal
 from lpcompare.lp.density import cluster_density, inverse_distance_costs
-from lpcompare.lp.selection import SolverSettings, select
+from lpcompare.lp.selection import Programme, SolverSettings, select
 from lpcompare.lp.start import one_per_stratum
 from lpcompare.types import Indices, Mask, Points, Vector
 
@@ -149,16 +148,18 @@ def reduce_clusters(
     certificates : list of Certificate
         One per task, densities in 1 / model units.
     """
-    cancelled = Event()
-
-    def solve(task: ClusterTask) -> tuple[Indices, Certificate]:
-        costs, mean_cost = inverse_distance_costs(points[task.candidates], task.centroid)
-        goal = reading.goal(costs, task.n_keep, mean_cost)
-        mask, certificate = select(
-            costs, task.n_keep, goal, rng=task.rng, settings=settings, cancelled=cancelled
-        )
-        return task.candidates[mask], certificate.in_units(mean_cost / reading.scale)
-
-    results = map_in_threads(solve, tasks, progress, cancelled)
-    chosen = [rows for rows, _ in results] + [task.kept for task in tasks]
-    return np.sort(np.concatenate(chosen)), [certificate for _, certificate in results]
+    priced = map_in_threads(
+        lambda task: inverse_distance_costs(points[task.candidates], task.centroid), tasks
+    )
+    programmes = [
+        Programme(costs, task.n_keep, reading.goal(costs, task.n_keep, mean_cost))
+        for task, (costs, mean_cost) in zip(tasks, priced, strict=True)
+    ]
+    results = select(programmes, [task.rng for task in tasks], settings, progress)
+    chosen = [task.candidates[mask] for task, (mask, _) in zip(tasks, results, strict=True)]
+    kept = np.concatenate(chosen + [task.kept for task in tasks])
+    certificates = [
+        certificate.in_units(mean_cost / reading.scale)
+        for (_, certificate), (_, mean_cost) in zip(results, priced, strict=True)
+    ]
+    return np.sort(kept), certificates

@@ -1,4 +1,4 @@
-"""Stage 3: the boolean programme of one cluster, eqs. 14-26 of Leal et al. (2017), solved and certified.
+"""Stage 3: the boolean programme of every cluster, eqs. 14-26 of Leal et al. (2017), solved and certified.
 
 The costs are divided by their mean, so objective, bound and residual are in units of the cluster's mean cost.
 """
@@ -6,21 +6,25 @@ The costs are divided by their mean, so objective, bound and residual are in uni
 from __future__ import annotations
 
 import warnings
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from threading import Event
 from typing import Any
 
 import cvxpy as cp
 import numpy as np
+from scipy.sparse import csr_array
 
 from lpcompare.errors import SolverError
+from lpcompare.geometry.threads import Progress, map_in_threads
 from lpcompare.lp.certificate import TOLERANCE, Certificate, DensityGoal, certify
 from lpcompare.lp.enumeration import nearest_sum
-from lpcompare.lp.highs import solve_from
+from lpcompare.lp.highs import Canonical
 from lpcompare.lp.start import exchange, rearrange, starting_mask
-from lpcompare.types import Mask, Vector
+from lpcompare.types import Indices, Mask, Vector
 
 _TURNS = 12
+_TOGETHER = 64
 _LIMITS = {
     "HIGHS": lambda s: {"time_limit": s.time_limit, "mip_rel_gap": s.gap},
     "SCIPY": lambda s: {"scipy_options": {"time_limit": s.time_limit, "mip_rel_gap": s.gap}},
@@ -51,18 +55,11 @@ class SolverSettings:
     gap: float = 0.0
 
 
-def select(
-    costs: Vector,
-    n_keep: int,
-    goal: DensityGoal,
-    *,
-    rng: np.random.Generator,
-    settings: SolverSettings | None = None,
-    cancelled: Event | None = None,
-) -> tuple[Mask, Certificate]:
-    """Choose ``n_keep`` points with |k D_cr - D_c| as small as possible (eqs. 14-26).
+@dataclass(frozen=True, eq=False)
+class Programme:
+    """What the boolean programme of one cluster is made from.
 
-    Parameters
+    Attributes
     ----------
     costs : ndarray, shape (nc,)
         C_i of eq. 13, normalised to mean one.
@@ -70,68 +67,123 @@ def select(
         nr of eq. 22, from 0 to nc.
     goal : DensityGoal
         D_c of eq. 12 and k of eq. 14.
-    rng : numpy.random.Generator
-        Draws the starting solution.
+    """
+
+    costs: Vector
+    n_keep: int
+    goal: DensityGoal
+
+    @property
+    def trivial(self) -> bool:
+        """Whether there is nothing to choose."""
+        return self.n_keep in (0, len(self.costs))
+
+    def within_reach(self) -> Programme:
+        """The programme with a density that a solver can hold."""
+        return replace(self, goal=self.goal.within_reach(self.costs))
+
+
+def select(
+    programmes: Sequence[Programme],
+    generators: Sequence[np.random.Generator],
+    settings: SolverSettings | None = None,
+    progress: Progress | None = None,
+    cancelled: Event | None = None,
+) -> list[tuple[Mask, Certificate]]:
+    """Choose the points of every cluster with |k D_cr - D_c| as small as possible (eqs. 14-26).
+
+    Parameters
+    ----------
+    programmes : sequence of Programme
+    generators : sequence of numpy.random.Generator
+        One per programme; it draws the starting solution.
     settings : SolverSettings, optional
+    progress : callable, optional
+        Called with (programmes solved, programmes).
     cancelled : threading.Event, optional
         Ends the search soon after it is set.
 
     Returns
     -------
-    mask : ndarray of bool, shape (nc,)
-    certificate : Certificate
+    list of (ndarray of bool, shape (nc,), Certificate)
+        One per programme.
 
     Raises
     ------
     SolverError
         The solver ended without a selection.
     """
-    settings = settings or SolverSettings()
-    if n_keep in (0, len(costs)):
-        mask = np.full(len(costs), n_keep > 0)
-        return mask, certify(costs, mask, goal)
+    settings, cancelled = settings or SolverSettings(), cancelled or Event()
     if settings.solver == "highs":
-        start = starting_mask(costs, n_keep, goal.wanted, rng)
-        return _select_from(start, costs, goal, settings, cancelled)
-    return _select_cold(costs, n_keep, goal, settings)
+        return _select_from_starts(programmes, generators, settings, progress, cancelled)
+    with warnings.catch_warnings():
+        # cvxpy warns of a limit or an inaccurate solution; the certificate says both
+        warnings.simplefilter("ignore", UserWarning)
+        return map_in_threads(lambda p: _select_cold(p, settings), programmes, progress, cancelled)
 
 
-def build_programme(costs: Vector, n_keep: int, goal: DensityGoal) -> tuple[cp.Problem, cp.Variable]:
-    """Eqs. 21-26: the boolean programme of one cluster, and its x of length nc + 1."""
-    n_points = len(costs)
-    x = cp.Variable(n_points + 1, boolean=True)  # eq. 26
-    y = cp.Variable(nonneg=True)  # eq. 19
-    row = np.append(goal.k * costs / n_keep, -goal.density)  # eq. 20
-    constraints: list[Any] = [
-        cp.sum(x[:n_points]) == n_keep,  # eq. 22
-        x[n_points] == 1,  # eq. 23
-        row @ x <= y,  # eq. 24
-        -row @ x <= y,  # eq. 25
-    ]
-    return cp.Problem(cp.Minimize(y), constraints), x  # eq. 21
+def build_programme(programmes: Sequence[Programme]) -> tuple[cp.Problem, cp.Variable, cp.Variable]:
+    """Eqs. 21-26 for clusters that share no point, as one problem: the sum of theirs.
 
-
-def _select_from(
-    start: Mask, costs: Vector, goal: DensityGoal, settings: SolverSettings, cancelled: Event | None
-) -> tuple[Mask, Certificate]:
-    """Give HiGHS the starting solution; what it returns is improved by exchanges and certified."""
-    start, first = _certified_start(start, costs, goal)
-    reach = goal.within_reach(costs)
-    objective = reach.objective(costs[start])
-    problem, x = build_programme(costs, first.n_keep, reach)
-    (y,) = (v for v in problem.variables() if v is not x)
-    outcome = solve_from(
-        problem,
-        {x: np.append(start, True), y: np.array(objective)},
-        objective_target=(objective if first.proven else first.bound) + TOLERANCE * reach.density,
-        time_limit=settings.time_limit,
-        gap=settings.gap,
-        cancelled=cancelled,
+    Returns
+    -------
+    problem : cvxpy.Problem
+    x : cvxpy.Variable, shape (n + K,)
+        The points of all K clusters, then x_{nc+1} of each.
+    y : cvxpy.Variable, shape (K,)
+    """
+    sizes = np.array([len(p.costs) for p in programmes])
+    n_clusters, n_points = len(sizes), int(sizes.sum())
+    owners = np.append(np.repeat(np.arange(n_clusters), sizes), np.arange(n_clusters))
+    place = owners, np.arange(n_points + n_clusters)
+    x = cp.Variable(n_points + n_clusters, boolean=True)  # eq. 26
+    y = cp.Variable(n_clusters, nonneg=True)  # eq. 19
+    member = np.append(np.ones(n_points), np.zeros(n_clusters))
+    row = np.concatenate(  # eq. 20
+        [p.goal.k * p.costs / p.n_keep for p in programmes] + [[-p.goal.density] for p in programmes]
     )
-    found = exchange(costs, _rounded(x, first.n_keep), goal.wanted)
-    best = min((start, found), key=lambda mask: goal.objective(costs[mask]))
-    bounds = {first.proof: first.bound} if first.proven else {"solver": outcome.bound}
-    return best, certify(costs, best, goal, outcome.status, bounds)
+    rows = csr_array((row, place))
+    constraints: list[Any] = [
+        csr_array((member, place)) @ x == np.array([p.n_keep for p in programmes]),  # eq. 22
+        x[n_points:] == 1,  # eq. 23
+        rows @ x <= y,  # eq. 24
+        -rows @ x <= y,  # eq. 25
+    ]
+    return cp.Problem(cp.Minimize(cp.sum(y)), constraints), x, y  # eq. 21
+
+
+def _select_from_starts(
+    programmes: Sequence[Programme],
+    generators: Sequence[np.random.Generator],
+    settings: SolverSettings,
+    progress: Progress | None,
+    cancelled: Event,
+) -> list[tuple[Mask, Certificate]]:
+    """Give HiGHS a starting solution of every cluster; what it returns is improved and certified."""
+    starts = map_in_threads(
+        lambda item: _start(*item), zip(programmes, generators, strict=True), None, cancelled
+    )
+    blocks = _blocks([p.within_reach() for p in programmes if not p.trivial])
+
+    def solve(item: tuple[Programme, tuple[Mask, Certificate], _Block | None]) -> tuple[Mask, Certificate]:
+        programme, start, block = item
+        return start if block is None else _improve(programme, start, block, settings, cancelled)
+
+    items = zip(programmes, starts, (None if p.trivial else next(blocks) for p in programmes), strict=True)
+    return map_in_threads(solve, items, progress, cancelled)
+
+
+def _start(programme: Programme, rng: np.random.Generator) -> tuple[Mask, Certificate]:
+    """A selection to start from; it is final where there is nothing to choose."""
+    costs, n_keep, goal = programme.costs, programme.n_keep, programme.goal
+    if programme.trivial:
+        return _all_or_none(programme)
+    return _certified_start(starting_mask(costs, n_keep, goal.wanted, rng), costs, goal)
+
+
+def _all_or_none(programme: Programme) -> tuple[Mask, Certificate]:
+    mask = np.full(len(programme.costs), programme.n_keep > 0)
+    return mask, certify(programme.costs, mask, programme.goal)
 
 
 def _certified_start(start: Mask, costs: Vector, goal: DensityGoal) -> tuple[Mask, Certificate]:
@@ -150,24 +202,68 @@ def _certified_start(start: Mask, costs: Vector, goal: DensityGoal) -> tuple[Mas
     return counted, certify(costs, counted, goal, bounds={"counting": goal.objective(costs[counted])})
 
 
-def _select_cold(
-    costs: Vector, n_keep: int, goal: DensityGoal, settings: SolverSettings
+@dataclass(frozen=True, eq=False)
+class _Block:
+    """One cluster's part of a joint problem: the columns of its points, of its x_{nc+1} and of its y."""
+
+    problem: Canonical
+    columns: Indices
+
+
+def _blocks(programmes: Sequence[Programme]) -> Iterator[_Block]:
+    """Write the programmes as few problems, and find each one's part again."""
+    for first in range(0, len(programmes), _TOGETHER):
+        together = programmes[first : first + _TOGETHER]
+        problem, x, y = build_programme(together)
+        canonical = Canonical(problem)
+        ends = np.cumsum([len(p.costs) for p in together])
+        of_points, of_ones = np.split(canonical.columns(x), ends[-1:])
+        parts = zip(np.split(of_points, ends[:-1]), of_ones, canonical.columns(y), strict=True)
+        yield from (_Block(canonical, np.append(rows, [one, of_y])) for rows, one, of_y in parts)
+
+
+def _improve(
+    programme: Programme,
+    start: tuple[Mask, Certificate],
+    block: _Block,
+    settings: SolverSettings,
+    cancelled: Event,
 ) -> tuple[Mask, Certificate]:
+    """Give HiGHS the starting solution; what it returns is improved by exchanges and certified."""
+    costs, n_keep, goal = programme.costs, programme.n_keep, programme.goal
+    mask, first = start
+    reach = programme.within_reach().goal
+    objective = reach.objective(costs[mask])
+    outcome = block.problem.solve_from(
+        block.columns,
+        np.append(mask, [1.0, objective]),
+        objective_target=(objective if first.proven else first.bound) + TOLERANCE * reach.density,
+        time_limit=settings.time_limit,
+        gap=settings.gap,
+        cancelled=cancelled,
+    )
+    found = exchange(costs, _rounded(outcome.values[:-2], n_keep), goal.wanted)
+    best = min((mask, found), key=lambda chosen: goal.objective(costs[chosen]))
+    bounds = {first.proof: first.bound} if first.proven else {"solver": outcome.bound}
+    return best, certify(costs, best, goal, outcome.status, bounds)
+
+
+def _select_cold(programme: Programme, settings: SolverSettings) -> tuple[Mask, Certificate]:
     """Leave the programme to cvxpy and the solver."""
+    costs, n_keep, goal = programme.costs, programme.n_keep, programme.goal
+    if programme.trivial:
+        return _all_or_none(programme)
     name = cp.HIGHS if settings.solver == "highs-cold" else settings.solver
     limits: dict[str, Any] = _LIMITS[name](settings) if name in _LIMITS else {}
-    problem, x = build_programme(costs, n_keep, goal.within_reach(costs))
+    problem, x, _ = build_programme([programme.within_reach()])
     try:
-        with warnings.catch_warnings():
-            # cvxpy warns of a limit or an inaccurate solution; the certificate says both
-            warnings.simplefilter("ignore", UserWarning)
-            problem.solve(solver=name, **limits)
+        problem.solve(solver=name, **limits)
     except cp.SolverError as error:
         raise _no_selection(name, n_keep, len(costs)) from error
     if x.value is None:
         raise _no_selection(name, n_keep, len(costs))
     status = {"optimal": "optimal", "user_limit": "time limit"}.get(str(problem.status), "inaccurate")
-    mask = _rounded(x, n_keep)
+    mask = _rounded(np.asarray(x.value)[:-1], n_keep)
     # a solver that was not told the gap has one of its own: its word proves nothing
     known = status == "optimal" and name in _LIMITS
     bounds = {"solver": (1.0 - settings.gap) * goal.objective(costs[mask])} if known else None
@@ -181,9 +277,8 @@ def _no_selection(name: str, n_keep: int, n_points: int) -> SolverError:
     )
 
 
-def _rounded(x: cp.Variable, n_keep: int) -> Mask:
+def _rounded(values: Vector, n_keep: int) -> Mask:
     """The solver's x as a choice of exactly ``n_keep`` points: solvers return 0 and 1 only nearly."""
-    values = np.asarray(x.value)[:-1]
     mask = np.zeros(len(values), dtype=bool)
     mask[np.argsort(-values, kind="stable")[:n_keep]] = True
     return mask

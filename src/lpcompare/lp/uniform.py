@@ -40,7 +40,7 @@ import cvxpy as cp
 import numpy as np
 from scipy.sparse import csr_array
 
-from lpcompare.lp.highs import solve_from
+from lpcompare.lp.highs import Canonical
 from lpcompare.types import Indices, Mask, Vector
 
 _EXCESS_PRICE = 100.0
@@ -218,18 +218,20 @@ def _solve(
     model: _Model, start: Indices, bound: float, stop: Stop, cancelled: Event | None
 ) -> tuple[Indices, str, float]:
     problem = build_programme(model)
-    x, y, e = (next(v for v in problem.variables() if v.name() == name) for name in "xye")
-    values = np.zeros(len(model.costs) + 1)
-    values[start] = values[-1] = 1.0
-    outcome = solve_from(
-        problem,
-        {x: values, y: np.array(abs(model.deviation(start))), e: np.array(model.excess(start))},
+    canonical = Canonical(problem)
+    by_name = {v.name(): canonical.columns(v) for v in problem.variables()}
+    values = np.zeros(len(model.costs) + 3)
+    values[start] = 1.0
+    values[-3:] = 1.0, abs(model.deviation(start)), model.excess(start)
+    outcome = canonical.solve_from(
+        np.concatenate([by_name[name] for name in "xye"]),
+        values,
         objective_target=bound * (1 + stop.gap),
         time_limit=stop.time_limit,
         gap=stop.gap,
         cancelled=cancelled,
     )
-    found = _cheapest(-np.asarray(x.value)[:-1], model.cells, model.order)
+    found = _cheapest(-outcome.values[:-3], model.cells, model.order)
     return min(start, found, key=model.objective), outcome.status, outcome.bound
 
 

@@ -14,8 +14,17 @@ from lpcompare.lp.budget import allocate_budget, split_budget, target_from_reduc
 from lpcompare.lp.certificate import TOLERANCE, DensityGoal, certify
 from lpcompare.lp.density import cluster_density, inverse_distance_costs
 from lpcompare.lp.reduction import Reading
-from lpcompare.lp.selection import SolverSettings, build_programme, select
+from lpcompare.lp.selection import Programme, SolverSettings, build_programme, select
 from lpcompare.lp.start import exchange, starting_mask
+
+
+def select_one(costs, n_keep, goal, *, rng, settings=None, cancelled=None):
+    (result,) = select([Programme(costs, n_keep, goal)], [rng], settings, cancelled=cancelled)
+    return result
+
+
+def generators(n):
+    return np.random.default_rng(0).spawn(n)
 
 
 def costs_of(n_points, seed):
@@ -37,7 +46,7 @@ def test_objective_is_that_of_brute_force(method, density, block):
         n_keep = int(rng.integers(1, n_points + 1))
         costs, mean_cost = costs_of(n_points, seed)
         goal = Reading(method, density).goal(costs, n_keep, mean_cost)
-        mask, certificate = select(costs, n_keep, goal, rng=rng)
+        mask, certificate = select_one(costs, n_keep, goal, rng=rng)
         best = brute_force(costs, n_keep, goal)
         assert mask.sum() == n_keep
         assert certificate.objective == pytest.approx(goal.objective(costs[mask]), abs=1e-15)
@@ -50,7 +59,7 @@ def test_objective_is_that_of_brute_force(method, density, block):
 def test_objective_is_that_of_brute_force_on_fourteen_points(seed):
     costs, _ = costs_of(14, seed)
     goal = DensityGoal(1.0)
-    _, certificate = select(costs, 7, goal, rng=np.random.default_rng(seed))
+    _, certificate = select_one(costs, 7, goal, rng=np.random.default_rng(seed))
     assert certificate.objective <= brute_force(costs, 7, goal) + TOLERANCE
 
 
@@ -60,13 +69,13 @@ def test_other_solvers_agree(solver, k):
     for seed in range(5):
         costs, _ = costs_of(9, seed)
         goal = DensityGoal(1.0, k)
-        found = select(costs, 3, goal, rng=np.random.default_rng(0), settings=SolverSettings(solver))[1]
+        found = select_one(costs, 3, goal, rng=np.random.default_rng(0), settings=SolverSettings(solver))[1]
         assert found.objective <= brute_force(costs, 3, goal) + 1e-5
 
 
 def test_printed_reading_is_proven_by_sorting():
     costs, _ = costs_of(300, 0)
-    mask, certificate = select(costs, 90, DensityGoal(1.0, 300 / 90), rng=np.random.default_rng(0))
+    mask, certificate = select_one(costs, 90, DensityGoal(1.0, 300 / 90), rng=np.random.default_rng(0))
     assert certificate.proof == "sorting"
     assert certificate.gap <= TOLERANCE
     assert np.array_equal(np.flatnonzero(mask), np.sort(np.argsort(costs)[:90])), "the farthest points"
@@ -74,7 +83,7 @@ def test_printed_reading_is_proven_by_sorting():
 
 def test_density_reading_is_proven_by_zero():
     costs, _ = costs_of(300, 0)
-    mask, certificate = select(costs, 90, DensityGoal(1.0), rng=np.random.default_rng(0))
+    mask, certificate = select_one(costs, 90, DensityGoal(1.0), rng=np.random.default_rng(0))
     assert (certificate.status, certificate.proof) == ("optimal", "zero")
     assert certificate.residual == abs(costs[mask].mean() - 1) <= TOLERANCE
 
@@ -83,7 +92,7 @@ def test_a_target_between_the_mean_and_the_extreme_is_reached():
     costs, _ = costs_of(200, 1)
     ordered = np.sort(costs)
     for wanted in (ordered[:60].mean() * 1.02, ordered[-60:].mean() * 0.98, ordered[:60].mean() * 1.0001):
-        mask, certificate = select(costs, 60, DensityGoal(wanted), rng=np.random.default_rng(0))
+        mask, certificate = select_one(costs, 60, DensityGoal(wanted), rng=np.random.default_rng(0))
         assert mask.sum() == 60
         assert certificate.proven
 
@@ -91,17 +100,17 @@ def test_a_target_between_the_mean_and_the_extreme_is_reached():
 def test_nothing_to_choose_is_counted():
     costs, _ = costs_of(5, 0)
     for n_keep in (0, 5):
-        mask, certificate = select(costs, n_keep, DensityGoal(1.0), rng=np.random.default_rng(0))
+        mask, certificate = select_one(costs, n_keep, DensityGoal(1.0), rng=np.random.default_rng(0))
         assert mask.sum() == n_keep
         assert (certificate.proof, certificate.status) == ("counting", "optimal")
-    empty, certificate = select(np.empty(0), 0, DensityGoal(0.0), rng=np.random.default_rng(0))
+    empty, certificate = select_one(np.empty(0), 0, DensityGoal(0.0), rng=np.random.default_rng(0))
     assert len(empty) == 0
     assert certificate.residual == 0
 
 
 def test_programme_has_the_rows_of_the_paper():
     costs = np.array([0.5, 1.0, 1.5])
-    problem, x = build_programme(costs, 2, DensityGoal(1.0, 1.5))
+    problem, x, _ = build_programme([Programme(costs, 2, DensityGoal(1.0, 1.5))])
     assert x.attributes["boolean"]
     assert len(problem.constraints) == 4
     data, *_ = problem.get_problem_data(cp.HIGHS)
@@ -112,10 +121,36 @@ def test_a_time_limit_keeps_the_incumbent_and_says_so():
     costs = np.random.default_rng(0).integers(1, 4, size=40) + np.random.default_rng(1).normal(size=40) * 1e-3
     goal = DensityGoal(float(costs.mean()) + 3e-5)
     limited = SolverSettings(time_limit=0.0)
-    mask, certificate = select(costs, 3, goal, rng=np.random.default_rng(0), settings=limited)
+    mask, certificate = select_one(costs, 3, goal, rng=np.random.default_rng(0), settings=limited)
     assert mask.sum() == 3
     assert certificate.proven or certificate.status == "time limit"
     assert certificate.objective >= certificate.bound
+
+
+def test_clusters_solved_together_are_solved_as_each_alone():
+    programmes = []
+    for seed, (n_points, n_keep) in enumerate([(40, 9), (7, 0), (300, 90), (5, 5), (25, 3)]):
+        costs, _ = costs_of(n_points, seed)
+        programmes.append(Programme(costs, n_keep, DensityGoal(1.0, 1.0 + 0.5 * (seed == 4))))
+    steps = []
+    together = select(
+        programmes, generators(len(programmes)), progress=lambda done, total: steps.append((done, total))
+    )
+    for programme, rng, (mask, certificate) in zip(programmes, generators(5), together, strict=True):
+        alone, proof = select_one(programme.costs, programme.n_keep, programme.goal, rng=rng)
+        assert np.array_equal(mask, alone)
+        assert certificate == proof
+    assert steps == [(done, 5) for done in range(1, 6)]
+
+
+def test_a_joint_problem_is_the_sum_of_its_parts():
+    programmes = [Programme(costs_of(n, n)[0], n // 3, DensityGoal(1.0)) for n in (6, 9, 12)]
+    joint, _, y = build_programme(programmes)
+    joint.solve(solver=cp.HIGHS)
+    for programme, objective in zip(programmes, y.value, strict=True):
+        assert objective == pytest.approx(
+            brute_force(programme.costs, programme.n_keep, programme.goal), abs=1e-6
+        )
 
 
 def test_a_cancelled_solve_ends_with_its_start():
@@ -123,14 +158,14 @@ def test_a_cancelled_solve_ends_with_its_start():
     cancelled.set()
     costs = np.round(np.random.default_rng(0).uniform(1, 2, size=60), 3)
     goal = DensityGoal(float(costs.mean()) + 1.23456e-5)
-    mask, _ = select(costs, 7, goal, rng=np.random.default_rng(0), cancelled=cancelled)
+    mask, _ = select_one(costs, 7, goal, rng=np.random.default_rng(0), cancelled=cancelled)
     assert mask.sum() == 7
 
 
 def test_a_cold_solver_without_a_solution_is_one_sentence():
     costs, _ = costs_of(2000, 0)
     with pytest.raises(SolverError, match="time_limit"):
-        select(
+        select_one(
             costs,
             600,
             DensityGoal(1.0),
@@ -146,7 +181,7 @@ def test_what_a_solver_leaves_within_its_gap_is_not_called_proven(solver, gap):
         costs = np.round(np.random.default_rng(seed).uniform(2, 8, size=12)) / 4
         goal = DensityGoal(float(costs.mean()) + 1e-3)
         settings = SolverSettings(solver, gap=gap)
-        certificate = select(costs, 5, goal, rng=np.random.default_rng(seed), settings=settings)[1]
+        certificate = select_one(costs, 5, goal, rng=np.random.default_rng(seed), settings=settings)[1]
         best = brute_force(costs, 5, goal)
         assert certificate.bound <= best + 1e-9
         assert certificate.proven == (certificate.objective <= certificate.bound + TOLERANCE * goal.density)
@@ -158,7 +193,7 @@ def test_what_a_solver_leaves_within_its_gap_is_not_called_proven(solver, gap):
 def test_a_density_that_no_selection_comes_near_is_no_obstacle(solver, density):
     costs, _ = costs_of(40, 0)
     settings = SolverSettings(solver)
-    mask, certificate = select(
+    mask, certificate = select_one(
         costs, 9, DensityGoal(density), rng=np.random.default_rng(0), settings=settings
     )
     rows = np.argsort(costs)[:9] if density < 1 else np.argsort(costs)[-9:]
@@ -249,5 +284,5 @@ def test_target_counts_are_those_of_the_paper(n_points, reduction, count):
 def test_equal_costs_are_no_obstacle(seed):
     costs = np.random.default_rng(seed).integers(1, 3, size=12).astype(float)
     goal = DensityGoal(float(costs.mean()))
-    _, certificate = select(costs, 5, goal, rng=np.random.default_rng(seed))
+    _, certificate = select_one(costs, 5, goal, rng=np.random.default_rng(seed))
     assert certificate.objective <= brute_force(costs, 5, goal) + TOLERANCE * goal.density
