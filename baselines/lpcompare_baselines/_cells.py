@@ -8,13 +8,17 @@ from numpy.typing import NDArray
 from lpcompare.types import Points
 
 
+def finest_cell(points: Points) -> float:
+    """The smallest size whose cells can be numbered: a two-millionth of the box's longest side."""
+    return float(np.ptp(points, axis=0).max()) / 2**21
+
+
 def grid_cells(points: Points, size: float) -> NDArray[np.int64]:
     """Cell of each point, shape (n,), in a grid of cubes that begins at the low corner of the bounding box.
 
-    Cells are numbered; sizes below a two-millionth of the box's longest side are taken as that.
+    Cells are numbered; sizes below `finest_cell` are taken as that.
     """
-    low, sides = points.min(axis=0), np.ptp(points, axis=0)
-    size = max(size, float(sides.max()) / 2**21)
+    low, size = points.min(axis=0), max(size, finest_cell(points))
     cells = ((points - low) / size).astype(np.int64)
     return _numbered(cells, cells.max(axis=0) + 1)
 

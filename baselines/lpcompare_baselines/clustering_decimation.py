@@ -15,7 +15,7 @@ from lpcompare.geometry.scale import bounding_box_center
 from lpcompare.types import Points, Simplification, Traits
 from lpcompare_baselines._calibration import search_size, surface_spacing
 from lpcompare_baselines._cells import meshlab_cells, n_occupied
-from lpcompare_baselines._guards import check, check_distinct
+from lpcompare_baselines._guards import check, check_distinct, check_resolved
 from lpcompare_baselines._meshlab import centred, finest_length, length, mesh_set
 
 TRAITS = Traits(
@@ -34,10 +34,11 @@ def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) ->
     Raises
     ------
     NotApplicable
-        Fewer distinct points exist than are asked for.
+        Fewer points are apart than are asked for.
     """
     check(points, target_count)
     check_distinct(points, target_count)
+    check_resolved(points, target_count, finest_length(points))
     start = surface_spacing(points, target_count)
     count = partial(_count, centred(points))
     return {"cell_size": search_size(count, target_count, start, smallest=finest_length(points))}

@@ -11,8 +11,8 @@ import numpy as np
 
 from lpcompare.types import Indices, Points, Simplification, Traits
 from lpcompare_baselines._draws import draw_seed, point_order, search_draw
-from lpcompare_baselines._guards import check, check_distinct
-from lpcompare_baselines._meshlab import mesh_set, rows_of
+from lpcompare_baselines._guards import check, check_distinct, check_resolved
+from lpcompare_baselines._meshlab import finest_length, mesh_set, rows_of
 
 TRAITS = Traits(
     wraps="pymeshlab generate_simplified_point_cloud",
@@ -32,10 +32,11 @@ def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) ->
     Raises
     ------
     NotApplicable
-        Fewer distinct points exist than are asked for.
+        Fewer points are apart than are asked for.
     """
     check(points, target_count)
     check_distinct(points, target_count)
+    check_resolved(points, target_count, finest_length(points))
 
     def sample(excess: float, order_seed: int) -> Indices:
         return _sample(points, _asked(target_count, excess), order_seed)

@@ -9,8 +9,8 @@ import numpy as np
 
 from lpcompare.types import Points, Simplification, Traits
 from lpcompare_baselines._calibration import search_size, surface_spacing
-from lpcompare_baselines._cells import cell_means, grid_cells, n_occupied
-from lpcompare_baselines._guards import check, check_distinct
+from lpcompare_baselines._cells import cell_means, finest_cell, grid_cells, n_occupied
+from lpcompare_baselines._guards import check, check_distinct, check_resolved
 
 TRAITS = Traits(
     wraps="numpy",
@@ -26,10 +26,11 @@ def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) ->
     Raises
     ------
     NotApplicable
-        Fewer distinct points exist than are asked for.
+        Fewer points are apart than are asked for.
     """
     check(points, target_count)
     check_distinct(points, target_count)
+    check_resolved(points, target_count, finest_cell(points))
     start = surface_spacing(points, target_count)
     return {"cell_size": search_size(lambda c: n_occupied(grid_cells(points, c)), target_count, start)}
 

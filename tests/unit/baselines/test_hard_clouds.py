@@ -1,6 +1,8 @@
 """Each rival on scans, duplicates, one point fewer than there are, and survey coordinates."""
 
 import inspect
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -81,6 +83,36 @@ def test_a_cloud_without_a_surface(name, points):
 @pytest.mark.parametrize("target", [1, 3])
 def test_few_points(name, target):
     expect_good(name, PointCloud(np.eye(3)), target, within=2)
+
+
+FAR_OUTLIER = """
+import sys
+import numpy as np
+from lpcompare.errors import NotApplicable
+from lpcompare.registry import METHODS
+
+points = np.random.default_rng(0).normal(size=(2000, 3))
+points /= np.linalg.norm(points, axis=1, keepdims=True)
+points[0] = float(sys.argv[2]), 0, 0
+try:
+    print(len(METHODS.get(sys.argv[1])(points, 200, rng=np.random.default_rng(0))))
+except NotApplicable as reason:
+    print("declined:", reason)
+"""
+
+
+@pytest.mark.parametrize(
+    "name", [n for n in METHODS if not n.startswith("lp_") and not METHODS.traits(n).extra]
+)
+@pytest.mark.parametrize("distance", ["1e4", "1e9"])
+def test_an_outlier_far_away_neither_hangs_nor_shortens_the_result(name, distance):
+    words = [sys.executable, "-c", FAR_OUTLIER, name, distance]
+    done = subprocess.run(words, capture_output=True, text=True, timeout=60, check=True)
+    answer = done.stdout.splitlines()[-1]
+    if not answer.startswith("declined: "):
+        assert abs(int(answer) - 200) <= 2
+    else:
+        assert distance == "1e9" or METHODS.traits(name).needs_mesh
 
 
 @pytest.mark.parametrize("name", RIVALS)
