@@ -160,6 +160,8 @@ def _check_source(path: Path) -> None:
         raise InputError(f"{path} is a folder; name a file.")
     if path.stat().st_size == 0 and path.is_file():
         raise InputError(f"{path} is empty (0 bytes); export it again.")
+    if path.is_file():
+        path.open("rb").close()  # what may not be read needs no reader
 
 
 def _real_target(path: Path) -> Path:
