@@ -118,6 +118,19 @@ def test_attributes_that_are_no_real_numbers(suffix, values, tmp_path):
     assert not any(tmp_path.iterdir())
 
 
+@pytest.mark.parametrize("name", ["vertex", "face"])
+def test_a_ply_that_promises_billions_of_rows(name, tmp_path):
+    """Its reader would make room for them first, and then look for them."""
+    mesh = PointCloud(np.eye(3), faces=np.array([[0, 1, 2]]))
+    write_point_cloud(tmp_path / "a.ply", mesh)
+    content = (tmp_path / "a.ply").read_bytes()
+    count = {"vertex": b"vertex 3", "face": b"face 1"}[name]
+    (tmp_path / "a.ply").write_bytes(content.replace(count, count[:-1] + b"1000000000"))
+    size = (tmp_path / "a.ply").stat().st_size
+    sentence = refused(tmp_path / "a.ply")
+    assert f"it promises 1000000000 rows of '{name}' and holds {size} bytes" in sentence
+
+
 def test_faces_that_name_no_point(tmp_path):
     (tmp_path / "a.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n")
     assert "a face names point 3" in refused(tmp_path / "a.obj")
