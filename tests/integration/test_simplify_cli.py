@@ -5,6 +5,9 @@ import os
 import re
 import subprocess
 import sys
+import tempfile
+from contextlib import contextmanager
+from pathlib import Path
 
 import laspy
 import numpy as np
@@ -15,6 +18,7 @@ from lpcompare.cli import main
 from lpcompare.io import read_point_cloud, write_point_cloud
 from lpcompare.types import PointCloud
 
+NOBODY = 65534
 QUICK = ("--method", "random_sample", "--reduction", "0.9")
 
 
@@ -182,20 +186,16 @@ def spoilt(kind, suffix, cloud, folder):
         path.write_bytes(path.read_bytes()[: -path.stat().st_size // 3])
     elif kind == "mislabelled":
         path.write_bytes(b"\x89PNG\r\n\x1a\n" + bytes(range(256)))
-    elif kind == "unreadable":
-        path.chmod(0)
     return path
 
 
 @pytest.mark.parametrize("suffix", [".ply", ".obj", ".off", ".xyz", ".npy", ".npz", ".pcd", ".laz"])
-@pytest.mark.parametrize("kind", ["empty", "truncated", "mislabelled", "nan", "unreadable"])
+@pytest.mark.parametrize("kind", ["empty", "truncated", "mislabelled", "nan"])
 def test_bad_files_are_one_sentence_and_no_output(kind, suffix, lpcompare, cloud, tmp_path):
     if kind == "nan" and suffix == ".laz":
         pytest.skip("LAS stores integers and holds no NaN")
     if kind == "truncated" and suffix in (".xyz", ".obj"):
         pytest.skip("rows without a count: a shorter file is a smaller cloud")
-    if kind == "unreadable" and os.geteuid() == 0:
-        pytest.skip("the superuser may read every file")
     path = spoilt(kind, suffix, cloud, tmp_path)
     code, out, err = lpcompare(path, tmp_path / f"out{suffix}", *QUICK)
     assert (code, out) == (2, b"")
@@ -203,6 +203,65 @@ def test_bad_files_are_one_sentence_and_no_output(kind, suffix, lpcompare, cloud
     assert err.count("\n") == 1
     assert path.name in err
     assert [p.name for p in tmp_path.iterdir()] == [path.name]
+
+
+@contextmanager
+def without_privileges():
+    """As nobody, where the tests run as the superuser, who may read and write everything.
+
+    Run the command to an error before, so that it has nothing left to import, which nobody may not do.
+    """
+    if os.geteuid() != 0:
+        yield
+        return
+    os.setresuid(NOBODY, NOBODY, 0)
+    try:
+        yield
+    finally:
+        os.setresuid(0, 0, 0)
+
+
+@pytest.fixture
+def open_folder():
+    """A folder that everybody may enter and change, unlike pytest's own."""
+    with tempfile.TemporaryDirectory() as folder:
+        Path(folder).chmod(0o777)
+        yield Path(folder)
+
+
+def refused_as_nobody(lpcompare, source, target):
+    with without_privileges():
+        code, out, err = lpcompare(source, target, *QUICK)
+    assert (code, out, err.count("\n")) == (2, b"", 1)
+    return err
+
+
+@pytest.mark.parametrize("suffix", [".ply", ".obj", ".off", ".xyz", ".npy", ".npz", ".pcd", ".laz", ".las"])
+def test_a_file_that_may_not_be_read(suffix, lpcompare, cloud, open_folder):
+    path, target = open_folder / f"scan{suffix}", open_folder / f"out{suffix}"
+    write_point_cloud(path, cloud)
+    assert "1 to 400" in lpcompare(path, target, "--count", 0)[2]
+    path.chmod(0)
+    err = refused_as_nobody(lpcompare, path, target)
+    assert err == f"lpcompare: {path} cannot be read: Permission denied.\n"
+    assert list(open_folder.iterdir()) == [path]
+
+
+def test_folders_that_may_not_be_entered_or_written_to(lpcompare, cloud, open_folder):
+    source, closed = open_folder / "scan.ply", open_folder / "closed"
+    closed.mkdir()
+    write_point_cloud(source, cloud)
+    write_point_cloud(closed / "scan.ply", cloud)
+    assert "1 to 400" in lpcompare(source, closed / "t.ply", "--count", 0)[2]
+    closed.chmod(0o555)
+    err = refused_as_nobody(lpcompare, source, closed / "t.ply")
+    assert err == f"lpcompare: The folder {closed} cannot be written to; name another.\n"
+    closed.chmod(0)
+    err = refused_as_nobody(lpcompare, closed / "scan.ply", open_folder / "t.ply")
+    assert err.startswith(f"lpcompare: {closed / 'scan.ply'}")
+    assert err.endswith(": Permission denied.\n")
+    closed.chmod(0o755)
+    assert {path.name for path in open_folder.rglob("*")} == {"closed", "scan.ply"}
 
 
 def test_a_folder_that_is_not_there_is_refused_before_any_work(lpcompare, cloud, tmp_path):

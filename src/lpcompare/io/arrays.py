@@ -12,12 +12,16 @@ from lpcompare.types import Indices, PointCloud
 
 HOLDS = frozenset({"normals", "colors", "attributes", "faces"})
 
+_ARRAY, _ARCHIVE = b"\x93NUMPY", b"PK"
 _FIELDS = ("points", "normals", "colors", "faces")
 
 
 def read(path: Path) -> PointCloud:
     """An array (n, 3) of an .npy, further columns as ``columns``; the arrays of an .npz by their names."""
     with path.open("rb") as file:
+        if not file.read(len(_ARRAY)).startswith((_ARRAY, _ARCHIVE)):
+            raise ValueError("it begins neither as an array of NumPy nor as a zip of them")
+        file.seek(0)
         content = np.load(file, allow_pickle=False)
         if not isinstance(content, np.lib.npyio.NpzFile):
             return _from_array(content, path)

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from lpcompare.io.checks import checked_points
+from lpcompare.io.foreign_length import check_length
 from lpcompare.mesh_library import pymeshlab
 from lpcompare.types import PointCloud
 
@@ -17,7 +18,7 @@ def read(path: Path) -> PointCloud:
 
     Normals are taken from files without faces only: of a mesh, MeshLab computes them anew.
     """
-    _check_length(path)
+    check_length(path)
     layers = pymeshlab().MeshSet()
     layers.load_new_mesh(str(path.resolve()))
     if layers.mesh_number() > 1:
@@ -32,15 +33,3 @@ def read(path: Path) -> PointCloud:
         faces=mesh.face_matrix().astype(np.intp) if mesh.face_number() else None,
         name=path.stem,
     )
-
-
-def _check_length(path: Path) -> None:
-    """Refuse files that MeshLab would read in part without a word."""
-    content = path.read_bytes()
-    suffix = path.suffix.lower()
-    if suffix == ".3ds" and int.from_bytes(content[2:6], "little") != len(content):
-        raise ValueError(
-            f"it promises {int.from_bytes(content[2:6], 'little')} bytes and holds {len(content)}"
-        )
-    if suffix == ".stl" and b"facet" in content[:1024] and b"endsolid" not in content[-1024:]:
-        raise ValueError("it ends before 'endsolid'")

@@ -25,9 +25,10 @@ _FAMILIES = {
 _FAMILY = {suffix: family for family, suffixes in _FAMILIES.items() for suffix in suffixes}
 _ISOLATED = ("las", "foreign")
 _READ_BY_MESHLAB = (
-    *(".3ds", ".apts", ".ctm", ".dae", ".e57", ".fbx", ".glb", ".gltf", ".ptx", ".stl", ".tri", ".vmi"),
-    *(".wrl", ".x3d", ".x3dv"),
+    *(".3ds", ".apts", ".ctm", ".dae", ".e57", ".fbx", ".glb", ".gltf", ".stl", ".tri", ".vmi", ".wrl"),
+    *(".x3d", ".x3dv"),
 )
+_READ_ONLY = {".ptx": "ptx"} | dict.fromkeys(_READ_BY_MESHLAB, "foreign")
 
 
 def read_point_cloud(path: str | os.PathLike[str]) -> PointCloud:
@@ -159,6 +160,8 @@ def _check_source(path: Path) -> None:
         raise InputError(f"{path} is a folder; name a file.")
     if path.stat().st_size == 0 and path.is_file():
         raise InputError(f"{path} is empty (0 bytes); export it again.")
+    if path.is_file():
+        path.open("rb").close()  # what may not be read needs no reader
 
 
 def _real_target(path: Path) -> Path:
@@ -194,10 +197,11 @@ def _family(path: Path) -> str:
     suffix = path.suffix.lower()
     if suffix == ".pts" and _begins_with(path, b"["):
         suffix = ".apts"  # MeshLab's binary point sets share the ending of plain rows
-    if suffix not in _FAMILY and suffix not in _READ_BY_MESHLAB:
-        known = " ".join(sorted((*_FAMILY, *_READ_BY_MESHLAB)))
+    families = _FAMILY | _READ_ONLY
+    if suffix not in families:
+        known = " ".join(sorted(families))
         raise InputError(f"{path} has the ending {suffix!r}, which is not known. Known: {known}.")
-    return _FAMILY.get(suffix, "foreign")
+    return families[suffix]
 
 
 def _begins_with(path: Path, mark: bytes) -> bool:

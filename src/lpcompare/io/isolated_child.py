@@ -28,8 +28,14 @@ def main(family: str, action: str, source: str, result: str, *rows: str) -> None
             module.keep_rows(Path(source), Path(result), np.load(rows[0]))
         verdict = {"error": "", "reason": ""}
     except BaseException as error:  # a Rust panic is no Exception
-        verdict = {"error": type(error).__name__, "reason": str(error) or type(error).__name__}
+        verdict = {"error": type(error).__name__, "reason": _reason(error)}
     sys.stdout.write("\n" + json.dumps(verdict))
+
+
+def _reason(error: BaseException) -> str:
+    """The error's text; of one word alone, such as the number of an unknown kind, also its class."""
+    text = str(error)
+    return text if " " in text else f"{type(error).__name__} {text}".strip()
 
 
 def _limit_memory() -> None:

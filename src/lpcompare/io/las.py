@@ -7,10 +7,12 @@ from typing import Any
 
 import laspy
 import numpy as np
+from laspy.header import Version
 from laspy.vlrs.vlrlist import VLRList
 from numpy.typing import NDArray
 
 from lpcompare.io.checks import checked_points
+from lpcompare.io.las_header import check_header, largest_chunk
 from lpcompare.types import Indices, PointCloud
 
 HOLDS = frozenset({"colors", "attributes"})
@@ -56,27 +58,34 @@ def keep_rows(source: Path, target: Path, rows: Indices) -> None:
     file.points = laspy.ScaleAwarePointRecord(
         file.points.array[rows], file.point_format, file.header.scales, file.header.offsets
     )
-    if "copc" in {record.user_id for record in file.vlrs}:
+    if "copc" in {record.user_id for record in [*file.vlrs, *(file.evlrs or ())]}:
         file.vlrs = [record for record in file.vlrs if record.user_id != "copc"]
         file.evlrs = VLRList([record for record in file.evlrs or () if record.user_id != "copc"])
-    file.write(str(target))
+    if file.header.version.minor == 0:
+        file.header.version = Version(1, 1)  # of the same layout, and laspy writes no 1.0
+    _write(target, file)
+
+
+def _write(path: Path, file: laspy.LasData) -> None:
+    """The file with names in the header as they are, also those that are not ASCII."""
+    how = {"do_compress": path.suffix.lower() == ".laz", "encoding_errors": "ignore", "closefd": False}
+    with path.open("wb") as out, laspy.LasWriter(out, file.header, **how) as writer:
+        writer.write_points(file.points)
+        if file.evlrs:
+            writer.write_evlrs(file.evlrs)
 
 
 def _open(path: Path) -> laspy.LasData:
     """The whole file; shorter than its header says is a `ValueError`."""
+    check_header(path)
     with laspy.open(str(path)) as reader:
         promised = reader.header.point_count
-        if not reader.header.are_points_compressed:
-            room = path.stat().st_size - reader.header.offset_to_point_data
-            _check_count(min(promised, room // reader.header.point_format.size), promised)
+        if reader.header.are_points_compressed and largest_chunk(path, reader.header) > promised:
+            reader.laz_backend = laspy.LazBackend.Lazrs  # the parallel one takes memory for a full chunk
         file = reader.read()
-    _check_count(len(file.points), promised)
+    if len(file.points) < promised:
+        raise ValueError(f"it promises {promised} points and holds {len(file.points)}")
     return file
-
-
-def _check_count(found: int, promised: int) -> None:
-    if found < promised:
-        raise ValueError(f"it promises {promised} points and holds {max(found, 0)}")
 
 
 def _colors(file: laspy.LasData) -> NDArray[np.float64]:

@@ -76,12 +76,13 @@ def _lines(path: Path) -> list[tuple[bytes, bytes]]:
 
 
 def _table(lines: list[bytes]) -> NDArray[np.float64]:
-    """The numbers of like lines, shape (n, columns)."""
+    """The numbers that every one of like lines has, shape (n, columns)."""
     if not lines:
         return np.empty((0, 3))
-    width = len(lines[0].partition(b"#")[0].split())
+    widths = [len(line.partition(b"#")[0].split()) for line in lines]
+    width = min(widths)
     if width < 4:
-        raise ValueError(f"the line {lines[0][:40]!r} has fewer than three numbers")
+        raise ValueError(f"the line {lines[widths.index(width)][:40]!r} has fewer than three numbers")
     return np.loadtxt(lines, usecols=range(1, width), ndmin=2, encoding="latin1")
 
 

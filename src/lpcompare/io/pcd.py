@@ -72,7 +72,7 @@ def keep_rows(source: Path, target: Path, rows: Indices) -> None:
     for i, line in enumerate(head):
         key = _key(line)
         if key in counts:
-            head[i] = re.sub(rb"\d+", counts[key], line, count=1)
+            head[i] = re.sub(rb"\d\S*", counts[key], line, count=1)
     text = file.metadata.data == Encoding.ASCII
     body = _text_rows(source, head, rows) if text else _binary_rows(file, rows)
     target.write_bytes(b"".join(head) + body)

@@ -62,12 +62,31 @@ def keep_rows(source: Path, target: Path, rows: Indices) -> None:
 
 def _open(path: Path) -> PlyData:
     """The file's elements; lists of three corners, the usual case, are read at once and not one by one."""
+    _check_counts(path)
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", "loadtxt: input contained no data")  # an empty list in ascii
         try:
             return PlyData.read(str(path), known_list_len={"face": dict.fromkeys(_CORNERS, 3)})
         except PlyElementParseError:
             return PlyData.read(str(path))
+
+
+def _check_counts(path: Path) -> None:
+    """Raise a `ValueError` where the file has fewer bytes than values; plyfile makes room for all first."""
+    size = path.stat().st_size
+    with path.open("rb") as file:
+        name, count, n_properties = b"", 0, 0
+        for line in file:
+            match line.split():
+                case [b"element", name, number] if number.isdigit():
+                    count, n_properties = int(number), 0
+                case [b"property", *_]:
+                    n_properties += 1
+                case [b"end_header"]:
+                    return
+            if count * max(n_properties, 1) > size:
+                rows = f"{count} rows of {name.decode(errors='replace')!r}"
+                raise ValueError(f"it promises {rows} and holds {size} bytes")
 
 
 def _vertices(file: PlyData) -> PlyElement:

@@ -73,7 +73,7 @@ def keep_rows(source: Path, target: Path, rows: Indices) -> None:
     with target.open("wb") as file:
         for i, line in enumerate(table.lines):
             if i == table.count_line:
-                file.write(re.sub(rb"\d+", str(len(rows)).encode(), line, count=1))
+                file.write(re.sub(rb"\d\S*", str(len(rows)).encode(), line, count=1))
             elif i not in dropped:
                 file.write(line)
 

@@ -118,6 +118,19 @@ def test_attributes_that_are_no_real_numbers(suffix, values, tmp_path):
     assert not any(tmp_path.iterdir())
 
 
+@pytest.mark.parametrize("name", ["vertex", "face"])
+def test_a_ply_that_promises_billions_of_rows(name, tmp_path):
+    """Its reader would make room for them first, and then look for them."""
+    mesh = PointCloud(np.eye(3), faces=np.array([[0, 1, 2]]))
+    write_point_cloud(tmp_path / "a.ply", mesh)
+    content = (tmp_path / "a.ply").read_bytes()
+    count = {"vertex": b"vertex 3", "face": b"face 1"}[name]
+    (tmp_path / "a.ply").write_bytes(content.replace(count, count[:-1] + b"1000000000"))
+    size = (tmp_path / "a.ply").stat().st_size
+    sentence = refused(tmp_path / "a.ply")
+    assert f"it promises 1000000000 rows of '{name}' and holds {size} bytes" in sentence
+
+
 def test_faces_that_name_no_point(tmp_path):
     (tmp_path / "a.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n")
     assert "a face names point 3" in refused(tmp_path / "a.obj")
@@ -213,3 +226,33 @@ def test_grids_and_words_are_not_taken_for_points(tmp_path):
     assert "line 2 is b'nrows 2'" in refused(tmp_path / "a.asc")
     (tmp_path / "a.txt").write_text("x y z\n1 2 3\nend\n")
     assert "line 3 is b'end'" in refused(tmp_path / "a.txt")
+
+
+def test_a_file_that_is_no_array_is_not_taken_for_a_pickle(tmp_path):
+    (tmp_path / "a.npy").write_bytes(b"\x93NUMPX\1\0" + bytes(200))
+    assert "begins neither as an array of NumPy" in refused(tmp_path / "a.npy")
+
+
+def test_rows_of_several_widths_stay_readable_when_the_first_ones_go(tmp_path):
+    colored = "".join(f"v {i} 0 0 0.1 0.2 0.3\n" for i in range(3))
+    (tmp_path / "a.obj").write_text(f"v 9 9 9\n{colored}v 5 5 5\n")
+    before = read_point_cloud(tmp_path / "a.obj")
+    keep_rows(tmp_path / "a.obj", tmp_path / "b.obj", np.array([1, 4]))
+    assert np.array_equal(read_point_cloud(tmp_path / "b.obj").points, before.points[[1, 4]])
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("a.pts", "1_0\n" + "1 2 3\n" * 10),
+        (
+            "a.pcd",
+            "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 1_0\nHEIGHT 1\n"
+            "VIEWPOINT 0 0 0 1 0 0 0\nPOINTS 1_0\nDATA ascii\n" + "1 2 3\n" * 10,
+        ),
+    ],
+)
+def test_counts_as_python_reads_them_are_counted_anew(name, text, tmp_path):
+    (tmp_path / name).write_text(text)
+    keep_rows(tmp_path / name, tmp_path / f"b{name}", np.array([1, 2]))
+    assert len(read_point_cloud(tmp_path / f"b{name}")) == 2
