@@ -14,6 +14,7 @@ from typing import Any, BinaryIO
 
 from lpcompare.errors import InputError
 from lpcompare.harness.limits import CANNOT_WRITE
+from lpcompare.harness.writing import CONTINUE, writing
 
 _THREAD_VARIABLES = (
     "LPCOMPARE_THREADS",
@@ -64,9 +65,10 @@ class Children:
         Stopped
             `stop` was called meanwhile.
         InputError
-            The child could not write its result; the case has no record.
+            This process or the child could not write; the case has no record.
         """
-        (folder / "request.json").write_text(json.dumps(request), encoding="utf-8")
+        with writing(folder, CONTINUE):
+            (folder / "request.json").write_text(json.dumps(request), encoding="utf-8")
         with (folder / "stderr.txt").open("wb") as stderr:
             child = _start(folder, request["threads"], stderr)
             self._alive.add(child)
@@ -80,9 +82,7 @@ class Children:
         if self._stopped:
             raise Stopped
         if code == CANNOT_WRITE:
-            raise InputError(
-                f"{folder} cannot be written (is the disk full?); make room and continue with --resume."
-            )
+            raise InputError(f"{folder} cannot be written (is the disk full?); {CONTINUE}.")
         return _reply(folder, code, request)
 
     def stop(self) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,6 +10,7 @@ import numpy as np
 
 from lpcompare.harness.inputs import file_name
 from lpcompare.harness.record import Run
+from lpcompare.harness.writing import whole_file
 from lpcompare.report.cells import Cell, distinct, gather_cells, pareto_front
 from lpcompare.report.charts import choose_reference, stage_names
 from lpcompare.report.columns import ERROR, RUNTIME, headings
@@ -166,10 +166,8 @@ def _bars(cells: Sequence[Cell], key: str) -> np.ndarray:
 
 def _save(figure: Figure, path: Path) -> None:
     """Write a figure whole or not at all, the same bytes each time."""
-    part = path.with_name(f"{path.name}.part")
-    dated = {"svg": "Date", "pdf": "CreationDate"}.get(path.suffix[1:])
     from matplotlib import rc_context
 
-    with rc_context({"svg.hashsalt": "lpcompare", "svg.fonttype": "path"}):
+    dated = {"svg": "Date", "pdf": "CreationDate"}.get(path.suffix[1:])
+    with whole_file(path) as part, rc_context({"svg.hashsalt": "lpcompare", "svg.fonttype": "path"}):
         figure.savefig(part, format=path.suffix[1:], dpi=_DPI, metadata={dated: None} if dated else {})
-    os.replace(part, path)
