@@ -106,7 +106,10 @@ def _plan(study: str, flags: dict[str, Any], assignments: list[str], machine: di
     settings = fields.pop("settings", {})
     if flags["methods"]:
         settings = {name: chosen for name, chosen in settings.items() if name in flags["methods"]}
-    fields |= {name: value for name, value in flags.items() if value not in (None, [])}
+    flags = {name: value for name, value in flags.items() if value not in (None, [])}
+    if fields.keys() & flags.keys():
+        fields.pop("title", None)  # it speaks of the study as it is written
+    fields |= flags
     if not fields.get("models"):
         raise InputError("No model is named; say for example --model bunny.")
     for name, chosen in parse_assignments(assignments, fields.get("methods") or default_methods()).items():

@@ -91,7 +91,8 @@ def page_context(run: Run, reference: str = "") -> dict[str, Any]:
         raise UnknownName("method of this run", reference, methods)
     known = headings({key for cell in cells for key in cell.values})
     return {
-        "title": _title(cells),
+        "title": run.plan.get("title") or _models(cells),
+        "subject": _models(cells),
         "run": run,
         "cells": sorted(cells, key=_by_error),
         "headings": known,
@@ -110,7 +111,7 @@ def page_context(run: Run, reference: str = "") -> dict[str, Any]:
     }
 
 
-def _title(cells: Sequence[Cell]) -> str:
+def _models(cells: Sequence[Cell]) -> str:
     models = distinct(cells, "model")
     if not models:
         return "An empty run"
