@@ -18,6 +18,7 @@ from lpcompare.report.agreement import agreement_table, rank_table
 from lpcompare.report.cells import Cell, distinct, gather_cells
 from lpcompare.report.charts import choose_reference, collect_charts
 from lpcompare.report.columns import ERROR, RUNTIME, Heading, headings
+from lpcompare.report.damage import collect_damage
 from lpcompare.report.summary import summarize
 from lpcompare.report.views import collect_views, one_cloud
 from lpcompare.report.wording import number, percent, quantity, tau
@@ -106,8 +107,9 @@ def page_context(run: Run, reference: str = "") -> dict[str, Any]:
         "ranking": rank_table(cells, known),
         "agreement": agreement_table(cells, known),
         "charts": collect_charts(cells, known, reference or choose_reference(cells)),
+        "damage": collect_damage(run.records),
         "views": collect_views(run, cells),
-        "scripts": ("theme", "table", "charts", "decode", "views", "start"),
+        "scripts": ("theme", "table", "charts", "damage", "decode", "views", "start"),
     }
 
 
