@@ -10,6 +10,7 @@ import sys
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
+from threading import TIMEOUT_MAX, Event, Timer
 from typing import Any, BinaryIO
 
 from lpcompare.errors import InputError
@@ -73,9 +74,7 @@ class Children:
             child = _start(folder, request["threads"], stderr)
             self._alive.add(child)
             try:
-                code = child.wait(request["time_limit_s"])
-            except subprocess.TimeoutExpired:
-                code = None
+                code = _exit_code(child, request["time_limit_s"])
             finally:
                 _kill_group(child)
                 self._alive.discard(child)
@@ -101,6 +100,24 @@ def _start(folder: Path, threads: int, stderr: BinaryIO) -> subprocess.Popen[byt
         env=os.environ | thread_environment(threads) | {"PYTHONHASHSEED": "0"},
         start_new_session=True,
     )
+
+
+def _exit_code(child: subprocess.Popen[bytes], limit_s: float) -> int | None:
+    """The exit code, or None when the limit ended it; `Popen.wait` with a limit looks only every 50 ms."""
+    late = Event()
+
+    def end() -> None:
+        late.set()
+        _kill_group(child)
+
+    timer = Timer(min(limit_s, TIMEOUT_MAX), end)
+    timer.daemon = True
+    timer.start()
+    try:
+        code = child.wait()
+    finally:
+        timer.cancel()
+    return None if late.is_set() else code
 
 
 def _kill_group(child: subprocess.Popen[bytes]) -> None:

@@ -225,3 +225,5 @@ def _judge(request: dict[str, Any], result: Simplification, reply: Reply) -> Non
 
 if __name__ == "__main__":
     main()
+    sys.stderr.flush()
+    os._exit(0)  # the reply is on disk; what libraries do at the end of a process would only be waited for
