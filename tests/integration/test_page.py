@@ -1,5 +1,6 @@
 """The page in a browser: no error, no request, and everything that can be clicked does what it says."""
 
+import json
 import shutil
 import sys
 from pathlib import Path
@@ -230,6 +231,30 @@ def test_pointing_at_a_method_in_the_legend_picks_it_out(visit):
     assert [name for name, opacity in visit.page.evaluate(opacities) if opacity == 1] == ["first_rows"]
     visit.page.mouse.move(0, 0)
     visit.page.wait_for_function("document.getElementById('chart-count').data.every(t => t.opacity === 1)")
+
+
+def test_damage_is_drawn_per_kind_and_the_note_names_what_never_saw_outliers(browser, plain_run, tmp_path):  # noqa: F811
+    run = json.loads((plain_run / "run.json").read_text(encoding="utf-8"))
+    damage = [("noise", 0.5), ("noise", 1.0), ("outliers", 0.1)]
+    run["records"] += [
+        row | {"perturbation": kind, "perturbation_level": level, "needs_mesh": row["method"] == "first_rows"}
+        for row in run["records"]
+        for kind, level in damage
+    ]
+    (tmp_path / "run.json").write_text(json.dumps(run), encoding="utf-8")
+    path = write_page(tmp_path)
+    visit = Visit(browser, path)
+    visit.page.evaluate("drawCharts()")
+    drawn = "document.getElementById('damage-noise').data.map(t => [t.name, ...t.x])"
+    assert [0, 0.5, 1] in [curve[1:] for curve in visit.page.evaluate(drawn)]
+    assert len(visit.page.evaluate(drawn)) == 3
+    assert "needs the mesh (first_rows) never sees them" in visit.page.inner_text("#damage .note")
+    visit.page.click("#chart-legend button[data-method=first_rows]")
+    visit.page.wait_for_function(f"{drawn}.length === 2")
+    visit.page.select_option("#damage-reduction", "0.8")
+    visit.page.wait_for_function(f"{drawn}.length === 2")
+    assert visit.quiet(path), (visit.complaints, visit.requests)
+    visit.context.close()
 
 
 def test_the_button_turns_light_to_dark_and_back(visit):

@@ -1,4 +1,7 @@
-"""A run that is killed, stopped or out of disk is readable, and --resume completes it without repeating."""
+"""A run that is killed, stopped or out of disk is readable, and --resume completes it without repeating.
+
+No second process may write into its folder meanwhile, and no finished case is ever lost.
+"""
 
 import json
 import os
@@ -157,36 +160,135 @@ def test_several_jobs_give_the_same_points_and_say_that_runtimes_are_unreliable(
     assert [_identity(r) for r in one.records] == [_identity(r) for r in two.records]
 
 
+@pytest.fixture
+def on_a_full_disk(plugin_environment):
+    """Run the command line where no file grows beyond a size: like a full disk, it fails in write()."""
+
+    def run(size, *words):
+        limited = (
+            "import resource, signal; signal.signal(signal.SIGXFSZ, signal.SIG_IGN);"
+            f"resource.setrlimit(resource.RLIMIT_FSIZE, ({size}, resource.RLIM_INFINITY));"
+            "from lpcompare.cli import main; main()"
+        )
+        done = subprocess.run(
+            [sys.executable, "-c", limited, *map(str, words)],
+            env=plugin_environment,
+            capture_output=True,
+            text=True,
+            timeout=120,
+            check=False,
+        )
+        assert done.returncode == 2
+        assert "Traceback" not in done.stderr
+        return done.stderr
+
+    return run
+
+
 @pytest.mark.parametrize(
     ("more", "reason", "n_records"),
     [(["--repeats", "30"], "File too large", 3), (["--reduction", "0.1"], "is the disk full?", 0)],
     ids=["while a record is written", "while a child writes its result"],
 )
 def test_a_full_disk_ends_in_a_sentence_and_a_readable_run(
-    plugin_environment, words, tmp_path, more, reason, n_records
+    on_a_full_disk, words, tmp_path, more, reason, n_records
 ):
-    """A limit on the size of a file stands in for the full disk; both fail in write()."""
-    limited = (
-        "import resource, signal; signal.signal(signal.SIGXFSZ, signal.SIG_IGN);"
-        "resource.setrlimit(resource.RLIMIT_FSIZE, (14_000, resource.RLIM_INFINITY));"
-        "from lpcompare.cli import main; main()"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", limited, *words, "--out", str(tmp_path / "run"), *more],
-        env=plugin_environment,
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=False,
-    )
-    assert done.returncode == 2
-    assert "Traceback" not in done.stderr
-    assert reason in done.stderr
-    assert "--resume" in done.stderr
+    told = on_a_full_disk(14_000, *words, "--out", tmp_path / "run", *more)
+    assert reason in told
+    assert "--resume" in told
     run = load_run(tmp_path / "run")
     assert not run.complete
     assert len(run.records) >= n_records
     assert all(record.status == "ok" for record in run.records), "no method is blamed"
+
+
+@pytest.mark.parametrize(("size", "file"), [(1_000, "ball.npz"), (12_900, "run.json")])
+def test_a_full_disk_before_the_first_case_is_one_sentence(on_a_full_disk, words, tmp_path, size, file):
+    seeds = [word for seed in range(300) for word in ("--seed", seed)]
+    more = [] if file == "ball.npz" else ["--reduction", 0.9, *seeds]
+    out = tmp_path / "run"
+    told = on_a_full_disk(size, *words, *more, "--out", out)
+    assert told.count("\n") == 1
+    assert f"{file} cannot be written (File too large); make room and continue with --resume." in told
+    assert not list(out.rglob("*.part"))
+
+
+def test_a_full_disk_for_the_page_leaves_the_run_and_no_half_page(on_a_full_disk, cloud_file, tmp_path):
+    out = tmp_path / "run"
+    words = ["--model", cloud_file, "--method", "random_sample", "--reduction", 0.8]
+    told = on_a_full_disk(100_000, "run", *words, "--out", out)
+    assert told.count("\n") == 1
+    assert "report.html cannot be written (File too large); make room, or name another file: " in told
+    assert f"lpcompare report {out} --out" in told
+    assert load_run(out).complete
+    assert not list(out.glob("report.html*"))
+
+
+def test_a_second_writer_is_turned_away_and_changes_nothing(lpcompare, words, start, tmp_path):
+    out = tmp_path / "run"
+    first = start([*words, "--repeats", "4"], out, n_records=1)
+    for more in ([], ["--resume"]):
+        document = (out / "run.json").read_bytes()
+        second = lpcompare(*words, "--repeats", 4, "--out", out, *more)
+        assert first.poll() is None, "the first was over before the second began"
+        assert second.returncode == 2
+        assert second.stderr.count("\n") == 1
+        assert "is being written by another lpcompare; wait until it has ended" in second.stderr
+        assert (out / "run.json").read_bytes() == document
+    assert first.wait(timeout=120) == 0
+    first.communicate()
+    run = load_run(out)
+    assert run.complete
+    assert len(run.records) == 2 * N_CASES
+    assert all(record.status == "ok" for record in run.records)
+    assert not (out / ".lock").exists()
+
+
+def test_what_the_new_plan_does_not_name_stays_in_the_run(lpcompare, cloud_file, tmp_path):
+    out = tmp_path / "run"
+    words = ["run", "--model", cloud_file, "--threads", 1, "--out", out]
+
+    def resume(*more):
+        assert lpcompare(*words, *more).returncode == 0
+        run = load_run(out)
+        assert run.complete
+        return {(r.method, r.reduction): r for r in run.records}
+
+    first = resume("--method", "random_sample", "--method", "raises", "--reduction", 0.8)
+    second = resume(
+        *("--method", "stratified_sample", "--method", "random_sample", "--reduction", 0.9),
+        *("--resume", "--time-limit", 200),
+    )
+    assert list(second) == [("stratified_sample", 0.9), ("random_sample", 0.9), *first]
+    assert first.items() <= second.items()
+    assert all((out / record.cloud).exists() for record in second.values() if record.cloud)
+    assert resume("--method", "random_sample", "--reduction", 0.8, "--resume").items() == second.items()
+
+
+@pytest.mark.parametrize(
+    ("more", "reason"),
+    [
+        (["--threads", 2], "with threads 1, and now 2 is asked for"),
+        (["--threads", 1, "--metric", "all"], "with metrics "),
+        (["--threads", 1, "--refine"], "with refine False, and now True"),
+    ],
+)
+def test_other_conditions_are_refused_and_nothing_is_lost(lpcompare, words, uninterrupted, more, reason):
+    before = (uninterrupted.folder / "run.json").read_bytes()
+    done = lpcompare(*words, *more, "--out", uninterrupted.folder, "--resume")
+    assert done.returncode == 2
+    assert reason in done.stderr
+    assert "name another folder with --out" in done.stderr
+    assert (uninterrupted.folder / "run.json").read_bytes() == before
+
+
+def test_another_cloud_of_the_same_name_is_refused(lpcompare, words, uninterrupted, tmp_path):
+    np.save(tmp_path / "ball.npy", np.eye(3))
+    words = [*words[:-1], tmp_path / "ball.npy"]
+    done = lpcompare(*words, "--threads", 1, "--out", uninterrupted.folder, "--resume")
+    assert done.returncode == 2
+    assert "another cloud called 'ball'" in done.stderr
+    assert load_run(uninterrupted.folder).records == uninterrupted.records
 
 
 def test_a_line_cut_short_is_left_out(uninterrupted, tmp_path):

@@ -138,10 +138,21 @@ def test_bad_input_is_one_sentence_and_exit_code_2(lpcompare, broken_files, word
     assert sorted(broken_files.iterdir()) == before, "nothing half-written"
 
 
+def test_a_studys_title_stays_until_a_flag_replaces_a_field_of_the_study(lpcompare, tmp_path, cloud_file):
+    (tmp_path / "study.toml").write_text(
+        "title = 'One ball.'\nmethods = ['random_sample']\nreductions = [0.8]"
+    )
+    words = ["--study", tmp_path / "study.toml", "--model", cloud_file]
+    for name, more, title in (("own", [], "One ball."), ("other", ["--reduction", 0.9], "")):
+        assert lpcompare("run", *words, *more, "--out", tmp_path / name).returncode == 0
+        assert load_run(tmp_path / name).plan["title"] == title
+
+
 def test_a_dry_run_prints_the_plan_and_leaves_nothing(lpcompare, tmp_path, cloud_file):
     done = lpcompare("run", "--model", cloud_file, *QUICK, "--dry-run", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert done.stdout.startswith("2 cases, about ")
+    assert "seeds 0, 1 repeat, " in done.stdout
     assert "100 (80 % removed) of 500 points" in done.stdout
     assert not list(tmp_path.iterdir())
 

@@ -106,7 +106,10 @@ def _plan(study: str, flags: dict[str, Any], assignments: list[str], machine: di
     settings = fields.pop("settings", {})
     if flags["methods"]:
         settings = {name: chosen for name, chosen in settings.items() if name in flags["methods"]}
-    fields |= {name: value for name, value in flags.items() if value not in (None, [])}
+    flags = {name: value for name, value in flags.items() if value not in (None, [])}
+    if fields.keys() & flags.keys():
+        fields.pop("title", None)  # it speaks of the study as it is written
+    fields |= flags
     if not fields.get("models"):
         raise InputError("No model is named; say for example --model bunny.")
     for name, chosen in parse_assignments(assignments, fields.get("methods") or default_methods()).items():
@@ -138,7 +141,7 @@ def _run(plan: Plan, models: Mapping[str, PointCloud], folder: Path, *, resume: 
 def _size(plan: Plan, estimate: Estimate) -> str:
     from lpcompare.harness.estimate import duration
 
-    return f"{len(plan)} cases, about {duration(estimate.remaining_s(plan.cases()))}"
+    return f"{_count(len(plan), 'case')}, about {duration(estimate.remaining_s(plan.cases()))}"
 
 
 def _description(plan: Plan, models: Mapping[str, PointCloud]) -> str:
@@ -162,6 +165,11 @@ def _description(plan: Plan, models: Mapping[str, PointCloud]) -> str:
     if len(plan.perturbations) > 1:
         lines.append("input: " + ", ".join(p.label or "clean" for p in plan.perturbations))
     seeds = ", ".join(map(str, plan.seeds))
-    lines.append(f"protocol {plan.protocol}, seeds {seeds}, {plan.repeats} repeats, {plan.threads} threads")
+    work = f"{_count(plan.repeats, 'repeat')}, {_count(plan.threads, 'thread')}"
+    lines.append(f"protocol {plan.protocol}, seeds {seeds}, {work}")
     lines.append(f"metrics: {', '.join(plan.metrics)}")
     return "\n".join(lines)
+
+
+def _count(n: int, noun: str) -> str:
+    return f"{n} {noun}{'s' * (n != 1)}"

@@ -10,10 +10,12 @@ import sys
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
+from threading import TIMEOUT_MAX, Event, Timer
 from typing import Any, BinaryIO
 
 from lpcompare.errors import InputError
 from lpcompare.harness.limits import CANNOT_WRITE
+from lpcompare.harness.writing import CONTINUE, writing
 
 _THREAD_VARIABLES = (
     "LPCOMPARE_THREADS",
@@ -64,25 +66,22 @@ class Children:
         Stopped
             `stop` was called meanwhile.
         InputError
-            The child could not write its result; the case has no record.
+            This process or the child could not write; the case has no record.
         """
-        (folder / "request.json").write_text(json.dumps(request), encoding="utf-8")
+        with writing(folder, CONTINUE):
+            (folder / "request.json").write_text(json.dumps(request), encoding="utf-8")
         with (folder / "stderr.txt").open("wb") as stderr:
             child = _start(folder, request["threads"], stderr)
             self._alive.add(child)
             try:
-                code = child.wait(request["time_limit_s"])
-            except subprocess.TimeoutExpired:
-                code = None
+                code = _exit_code(child, request["time_limit_s"])
             finally:
                 _kill_group(child)
                 self._alive.discard(child)
         if self._stopped:
             raise Stopped
         if code == CANNOT_WRITE:
-            raise InputError(
-                f"{folder} cannot be written (is the disk full?); make room and continue with --resume."
-            )
+            raise InputError(f"{folder} cannot be written (is the disk full?); {CONTINUE}.")
         return _reply(folder, code, request)
 
     def stop(self) -> None:
@@ -101,6 +100,24 @@ def _start(folder: Path, threads: int, stderr: BinaryIO) -> subprocess.Popen[byt
         env=os.environ | thread_environment(threads) | {"PYTHONHASHSEED": "0"},
         start_new_session=True,
     )
+
+
+def _exit_code(child: subprocess.Popen[bytes], limit_s: float) -> int | None:
+    """The exit code, or None when the limit ended it; `Popen.wait` with a limit looks only every 50 ms."""
+    late = Event()
+
+    def end() -> None:
+        late.set()
+        _kill_group(child)
+
+    timer = Timer(min(limit_s, TIMEOUT_MAX), end)
+    timer.daemon = True
+    timer.start()
+    try:
+        code = child.wait()
+    finally:
+        timer.cancel()
+    return None if late.is_set() else code
 
 
 def _kill_group(child: subprocess.Popen[bytes]) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import os
 import zipfile
 from collections.abc import Mapping
 from pathlib import Path
@@ -13,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpcompare.errors import InputError
+from lpcompare.harness.writing import CONTINUE, whole_file
 from lpcompare.types import PointCloud
 
 _OWN = ("points", "normals", "colors", "faces")
@@ -20,11 +20,9 @@ _ATTRIBUTE = "attribute:"
 
 
 def save_arrays(path: Path, arrays: Mapping[str, NDArray[Any]]) -> None:
-    """Write an .npz whole or not at all."""
-    part = path.with_name(path.name + ".part")
-    with part.open("wb") as file:
+    """Write an .npz whole or not at all; raises `InputError` where it cannot be written."""
+    with whole_file(path, CONTINUE) as part, part.open("wb") as file:
         np.savez(file, **arrays)  # pyright: ignore[reportArgumentType]
-    os.replace(part, path)
 
 
 def load_arrays(path: Path) -> dict[str, NDArray[Any]]:

@@ -124,16 +124,7 @@ def differing_environment(first: Run, second: Run) -> dict[str, tuple[str, str]]
 
 
 def _identity(record: Record) -> tuple[object, ...]:
-    damage = (record.perturbation, record.perturbation_level)
-    return (
-        record.model,
-        damage,
-        record.variant,
-        record.reduction,
-        record.seed,
-        record.repeat,
-        record.refined,
-    )
+    return (*record.case_id, record.refined)
 
 
 def _measure(variant: str, pairs: list[tuple[Record, Record]]) -> MethodDifference:

@@ -43,7 +43,7 @@ class Case:
 
 @dataclass(frozen=True)
 class Plan:
-    """Everything that decides what is computed.
+    """Everything that decides what is computed, and what it is called.
 
     Attributes
     ----------
@@ -70,6 +70,8 @@ class Plan:
         Threads of every library in a case.
     jobs : int
         Cases at the same time; above 1 the timings are unreliable.
+    title : str
+        What the study says of itself; empty without one.
     """
 
     models: tuple[str, ...]
@@ -85,6 +87,7 @@ class Plan:
     memory_limit_mib: int = 8192
     threads: int = 1
     jobs: int = 1
+    title: str = ""
 
     def cases(self) -> Iterator[Case]:
         """Every case, round robin over the methods, so that drift of the machine meets all alike."""

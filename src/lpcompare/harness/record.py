@@ -107,6 +107,12 @@ class Record:
     key: str = ""
     cloud: str = ""
 
+    @property
+    def case_id(self) -> tuple[object, ...]:
+        """Which case of a plan this is the record of, however it was run."""
+        damage = (self.perturbation, self.perturbation_level)
+        return (self.model, damage, self.variant, self.reduction, self.seed, self.repeat)
+
     def to_dict(self) -> dict[str, Any]:
         """The record as JSON-ready values; NaN becomes null."""
         row = asdict(self)
@@ -194,9 +200,10 @@ def load_run(path: str | Path) -> Run:
         late = [] if document["complete"] else _read_lines(folder / "records.jsonl")
     except InputError as error:
         raise InputError(f"{folder}: {error} The run must be made again.") from error
-    late = [row for row in late if row.key not in {r.key for r in done}]
+    if not document["complete"]:
+        done = list({record.case_id: record for record in (*done, *late)}.values())
     head = {name: document[name] for name in ("plan", "environment", "inputs", "complete")}
-    return Run(folder=folder, records=(*done, *late), **head)
+    return Run(folder=folder, records=tuple(done), **head)
 
 
 def _read_document(path: Path) -> dict[str, Any]:

@@ -12,14 +12,15 @@ from pathlib import Path
 from threading import Lock
 from typing import Protocol
 
-from lpcompare.errors import InputError
 from lpcompare.harness.child import Children
 from lpcompare.harness.environment import capture, package_versions
 from lpcompare.harness.inputs import Input, file_name, write_input
 from lpcompare.harness.keys import case_key
+from lpcompare.harness.lock import sole_writer
 from lpcompare.harness.perturbation import CLEAN, perturb
 from lpcompare.harness.plan import REFERENCE, Case, Plan, target_count
 from lpcompare.harness.record import Record, Run, load_run
+from lpcompare.harness.resume import earlier_run, reusable
 from lpcompare.harness.store import RunFolder
 from lpcompare.registry import METHODS
 from lpcompare.types import PointCloud
@@ -56,7 +57,8 @@ def run_plan(
     folder : Path
         Where run.json, records.csv and clouds/ go.
     resume : bool
-        Take over the records of an earlier start in this folder whose keys are the same.
+        Take over the records of an earlier start in this folder whose keys are the same, and keep those of
+        cases that this plan does not name.
     listener : Listener
 
     Returns
@@ -66,38 +68,29 @@ def run_plan(
     Raises
     ------
     InputError
-        The folder cannot be written, now or later, or holds a run and ``resume`` is false.
+        The folder cannot be written, now or later, or another process is writing it, or it holds a run that
+        ``resume`` does not allow to continue.
     """
-    earlier = _earlier(folder, plan, resume=resume)
-    runner = _Runner(plan, models, RunFolder(folder), earlier)
-    complete = False
-    try:
-        runner.run(listener)
-        complete = True
-    finally:
-        runner.end(complete=complete)
-    return load_run(folder)
-
-
-def _earlier(folder: Path, plan: Plan, *, resume: bool) -> dict[str, Record]:
-    """Records of an earlier start, by key; under other limits, not what those limits may have ended."""
-    if not (folder / "run.json").exists():
-        return {}
-    if not resume:
-        raise InputError(f"{folder} already holds a run; continue it with --resume, or name another folder.")
-    run = load_run(folder)
-    limits = ("time_limit_s", "memory_limit_mib")
-    alike = all(run.plan.get(name) == getattr(plan, name) for name in limits)
-    return {r.key: r for r in run.records if alike or r.status not in ("failed", "timeout")}
+    with sole_writer(folder):
+        earlier = earlier_run(folder, plan, models, resume=resume)
+        runner = _Runner(plan, models, RunFolder(folder), earlier)
+        complete = False
+        try:
+            runner.run(listener)
+            complete = True
+        finally:
+            runner.end(complete=complete)
+        return load_run(folder)
 
 
 class _Runner:
     """The state of a run: inputs on disk, counts that the reference method reached, finished records."""
 
     def __init__(
-        self, plan: Plan, models: Mapping[str, PointCloud], store: RunFolder, earlier: dict[str, Record]
+        self, plan: Plan, models: Mapping[str, PointCloud], store: RunFolder, earlier: Run | None
     ) -> None:
         self.plan, self.models, self.store, self.earlier = plan, models, store, earlier
+        self.reusable = reusable(earlier, plan) if earlier else {}
         self.clean = {name: write_input(store.clouds, cloud) for name, cloud in models.items()}
         self.inputs: dict[tuple[object, ...], Input] = {}
         self.reached: dict[tuple[object, ...], int] = {}
@@ -108,7 +101,7 @@ class _Runner:
         for case in self.cases:
             self._input(case)
         self.children = Children()
-        store.begin(self._head(), earlier.values())
+        store.begin(self._head(), earlier.records if earlier else ())
 
     def run(self, listener: Listener) -> None:
         """Run the cases in order; with several jobs, that many at a time."""
@@ -126,11 +119,11 @@ class _Runner:
                 pool.shutdown(wait=True)
 
     def end(self, *, complete: bool) -> None:
-        """Write what there is; of a run that was stopped, also what an earlier start had finished."""
+        """Write what there is: the records of the plan, then what an earlier start finished beside them."""
         records = [self.done[n] for n in sorted(self.done)]
-        if not complete:
-            keys = {record.key for record in records}
-            records += [record for key, record in self.earlier.items() if key not in keys]
+        cases = {record.case_id for record in records}
+        earlier = self.earlier.records if self.earlier else ()
+        records += [record for record in earlier if record.case_id not in cases]
         self.store.end(records, complete=complete)
 
     def _groups(self) -> Iterator[list[int]]:
@@ -159,7 +152,7 @@ class _Runner:
 
     def _kept(self, blank: Record) -> Record | None:
         """The record of an earlier start, if its cloud is still there."""
-        kept = self.earlier.get(blank.key)
+        kept = self.reusable.get(blank.key)
         lost = kept is not None and kept.cloud and not (self.store.path / kept.cloud).exists()
         return None if lost else kept
 
@@ -251,7 +244,8 @@ class _Runner:
 
     def _head(self) -> dict[str, object]:
         methods = [variant.method for variant in self.plan.variants]
-        inputs = {
+        inputs = dict(self.earlier.inputs) if self.earlier else {}
+        inputs |= {
             given.path.stem: {
                 "file": f"clouds/{given.path.name}",
                 "model": given.model,

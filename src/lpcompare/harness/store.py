@@ -8,16 +8,14 @@ import json
 import os
 import shutil
 import tempfile
-from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from lpcompare.errors import InputError
 from lpcompare.harness.record import SCHEMA_VERSION, Record
 from lpcompare.harness.summary import summary_rows
+from lpcompare.harness.writing import ANOTHER_FOLDER, CONTINUE, replace_text, writing
 
-_LATER = "make room and continue with --resume"
 _NESTED = ("settings", "timings", "metrics", "info")
 
 
@@ -41,7 +39,7 @@ class RunFolder:
     def __init__(self, path: Path) -> None:
         self.path, self.clouds, self.scratch = path, path / "clouds", path / ".work"
         self._head: dict[str, Any] = {}
-        with _writing(path, "name another with --out"):
+        with writing(path, ANOTHER_FOLDER):
             self.clouds.mkdir(parents=True, exist_ok=True)
             shutil.rmtree(self.scratch, ignore_errors=True)
             self.scratch.mkdir()
@@ -51,11 +49,11 @@ class RunFolder:
         self._head = {"schema_version": SCHEMA_VERSION, **head}
         finished = list(finished)
         self._write_document(finished, complete=False)
-        replace_text(self._lines, "".join(_line(record) for record in finished))
+        replace_text(self._lines, "".join(_line(record) for record in finished), CONTINUE)
 
     def append(self, record: Record) -> None:
         """Keep a finished record, on the disk when this returns."""
-        with _writing(self.path, _LATER), self._lines.open("a", encoding="utf-8") as file:
+        with writing(self.path, CONTINUE), self._lines.open("a", encoding="utf-8") as file:
             file.write(_line(record))
             file.flush()
             os.fsync(file.fileno())
@@ -63,16 +61,16 @@ class RunFolder:
     def end(self, records: Iterable[Record], *, complete: bool) -> None:
         """Write run.json and the tables with every record; clear away what only a running run needs."""
         records = list(records)
-        with _writing(self.path, _LATER):
-            self._write_document(records, complete=complete)
-            replace_text(self.path / "records.csv", _table([_flat(record) for record in records]))
-            replace_text(self.path / "summary.csv", _table(summary_rows(records)))
+        self._write_document(records, complete=complete)
+        replace_text(self.path / "records.csv", _table([_flat(record) for record in records]), CONTINUE)
+        replace_text(self.path / "summary.csv", _table(summary_rows(records)), CONTINUE)
         self._lines.unlink(missing_ok=True)
         shutil.rmtree(self.scratch, ignore_errors=True)
 
     def exchange(self) -> Path:
         """A new empty folder for the files of one child process."""
-        return Path(tempfile.mkdtemp(dir=self.scratch))
+        with writing(self.path, CONTINUE):
+            return Path(tempfile.mkdtemp(dir=self.scratch))
 
     @property
     def _lines(self) -> Path:
@@ -80,27 +78,7 @@ class RunFolder:
 
     def _write_document(self, records: list[Record], *, complete: bool) -> None:
         document = self._head | {"complete": complete, "records": [r.to_dict() for r in records]}
-        replace_text(self.path / "run.json", json.dumps(document, indent=1, allow_nan=False) + "\n")
-
-
-@contextmanager
-def _writing(folder: Path, remedy: str) -> Iterator[None]:
-    """Say of a failure to write which folder it was, why, and what to do; raises `InputError`."""
-    try:
-        yield
-    except OSError as error:
-        reason = error.strerror or error
-        raise InputError(f"The folder {folder} cannot be written ({reason}); {remedy}.") from error
-
-
-def replace_text(path: Path, text: str) -> None:
-    """Write a file whole, flushed to the disk, or leave it as it was."""
-    part = path.with_name(path.name + ".part")
-    with part.open("w", encoding="utf-8", newline="") as file:
-        file.write(text)
-        file.flush()
-        os.fsync(file.fileno())
-    os.replace(part, path)
+        replace_text(self.path / "run.json", json.dumps(document, indent=1, allow_nan=False) + "\n", CONTINUE)
 
 
 def _line(record: Record) -> str:

@@ -52,7 +52,7 @@ _FIELDS: dict[str, Any] = {
     "perturbations": Mapping[str, Any],
 }
 _TABLES: dict[str, Any] = {"settings": Mapping[str, Any], "perturbations": list[float]}
-_DIRECT = ("models", "reductions", "seeds", "repeats", "protocol", "refine", "time_limit_s")
+_DIRECT = ("title", "models", "reductions", "seeds", "repeats", "protocol", "refine", "time_limit_s")
 
 
 def preset_names() -> tuple[str, ...]:

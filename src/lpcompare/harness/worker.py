@@ -22,7 +22,7 @@ from typing import Any
 
 import numpy as np
 
-from lpcompare.errors import LpcompareError, NotApplicable, Unavailable
+from lpcompare.errors import InputError, LpcompareError, NotApplicable, Unavailable
 from lpcompare.harness.clouds import load_cloud, save_arrays
 from lpcompare.harness.limits import CANNOT_WRITE, die_with_parent, limit_memory, peak_memory_mib
 from lpcompare.harness.verdict import fault, shortfall
@@ -80,7 +80,7 @@ def handing_over() -> Iterator[None]:
     """End the process when the run's folder cannot be written: that is no fault of the method."""
     try:
         yield
-    except OSError:
+    except (OSError, InputError):
         os._exit(CANNOT_WRITE)
 
 
@@ -225,3 +225,5 @@ def _judge(request: dict[str, Any], result: Simplification, reply: Reply) -> Non
 
 if __name__ == "__main__":
     main()
+    sys.stderr.flush()
+    os._exit(0)  # the reply is on disk; what libraries do at the end of a process would only be waited for

@@ -29,7 +29,7 @@ from pathlib import Path
 from typing import Any
 
 from lpcompare.harness.record import Run
-from lpcompare.harness.store import replace_text
+from lpcompare.harness.writing import replace_text
 from lpcompare.report.cells import Cell, gather_cells
 from lpcompare.report.columns import headings
 

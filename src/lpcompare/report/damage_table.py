@@ -5,12 +5,11 @@ from __future__ import annotations
 import math
 import textwrap
 from collections.abc import Iterable
-from statistics import fmean, median
+from statistics import median
 
 from lpcompare.harness.record import Record
 from lpcompare.report.alignment import WIDTH, align, cut, notes
-
-Curves = dict[str, dict[float, float]]
+from lpcompare.report.damage import Curves, gather_damage
 
 _PAPER = "lp_printed"
 _CLAIMED = ("noise", "outliers")
@@ -20,35 +19,18 @@ _CLAIMED = ("noise", "outliers")
 def format_damage(records: Iterable[Record]) -> list[str]:
     """Every table of the damaged inputs; errors are measured against the clean cloud."""
     records = list(records)
-    kinds = dict.fromkeys(r.perturbation for r in records if r.perturbation != "none")
-    shapes = dict.fromkeys((r.model, r.reduction) for r in records)
     tables = [
         _table(
-            f"{model} with {kind}: {100 * reduction:g} % removed, eq. 27 error in % of the diagonal",
-            curves,
-            claimed=kind in _CLAIMED,
+            f"{d.model} with {d.kind}: {100 * d.reduction:g} % removed, eq. 27 error in % of the diagonal",
+            d.curves,
+            claimed=d.kind in _CLAIMED,
         )
-        for model, reduction in shapes
-        for kind in kinds
-        if (curves := damage_curves(records, model, reduction, kind))
+        for d in gather_damage(records)
     ]
     return [
         *tables,
         *["\n".join(lines) for lines in [notes(r for r in records if r.perturbation != "none")] if lines],
     ]
-
-
-def damage_curves(records: Iterable[Record], model: str, reduction: float, kind: str) -> Curves:
-    """Variant -> level -> mean error over seeds and repeats; level 0 is clean, NaN has no result."""
-    values: dict[str, dict[float, list[float]]] = {}
-    for r in records:
-        if (r.model, r.reduction) == (model, reduction) and r.perturbation in ("none", kind):
-            error = r.metrics.get("plane_error_pct", math.nan) if r.status == "ok" else math.nan
-            values.setdefault(r.variant, {}).setdefault(r.perturbation_level, []).append(error)
-    return {
-        variant: {level: fmean(errors) for level, errors in sorted(levels.items())}
-        for variant, levels in values.items()
-    }
 
 
 def _table(title: str, curves: Curves, *, claimed: bool) -> str:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,11 +10,13 @@ import numpy as np
 
 from lpcompare.harness.inputs import file_name
 from lpcompare.harness.record import Run
+from lpcompare.harness.writing import whole_file
 from lpcompare.report.cells import Cell, distinct, gather_cells, pareto_front
 from lpcompare.report.charts import choose_reference, stage_names
 from lpcompare.report.columns import ERROR, RUNTIME, headings
+from lpcompare.report.damage import LEVELS, Damage, gather_damage
 from lpcompare.report.pictures import draw_pictures, plain_text
-from lpcompare.report.styles import method_styles, stage_styles
+from lpcompare.report.styles import Style, method_styles, stage_styles
 from lpcompare.report.views import has_cloud, input_files
 from lpcompare.report.wording import percent
 
@@ -113,6 +114,17 @@ def draw_stages(axes: Axes, cells: Sequence[Cell]) -> None:
     axes.legend(fontsize=7, loc="lower right")
 
 
+def draw_damage(axes: Axes, damage: Damage, styles: Mapping[str, Style]) -> None:
+    """Eq. 27 error against the clean cloud over the amount of damage to the input, one line per method."""
+    for method, curve in damage.curves.items():
+        look = {"color": styles[method].color, "marker": styles[method].marker, "lw": 0.8, "ms": 5}
+        axes.plot(list(curve), list(curve.values()), label=plain_text(method), **look)
+    if min(damage.errors) > 0:
+        _logarithmic(axes, "y")
+    axes.set_xlabel(LEVELS[damage.kind].replace(": ", "\n"))
+    axes.grid(alpha=0.3)
+
+
 def _figures(run: Run, reference: str) -> Iterator[tuple[str, Figure]]:
     from matplotlib.figure import Figure
 
@@ -137,6 +149,25 @@ def _figures(run: Run, reference: str) -> Iterator[tuple[str, Figure]]:
             for name, figure in draw_pictures(run, sorted(shown, key=lambda c: c.value(ERROR))):
                 figure.suptitle(f"{plain_text(model)}, {percent(largest)} of the points removed", fontsize=10)
                 yield f"{file_name(model)}-{name}", figure
+    yield from _damage_figures(run)
+
+
+def _damage_figures(run: Run) -> Iterator[tuple[str, Figure]]:
+    """A figure for each model and reduction, every kind of damage side by side."""
+    from matplotlib.figure import Figure
+
+    styles = method_styles(distinct(gather_cells(run.records), "method"))
+    groups: dict[str, list[Damage]] = {}
+    for damage in gather_damage(run.records):
+        groups.setdefault(f"{file_name(damage.model)}-damage-{damage.reduction:g}", []).append(damage)
+    for name, group in groups.items():
+        figure = Figure(figsize=(1.8 + 2.8 * len(group), 3.4), layout="constrained")
+        panels = figure.subplots(1, len(group), sharey=True, squeeze=False)[0]
+        for axes, damage in zip(panels, group, strict=True):
+            draw_damage(axes, damage, styles)
+        panels[0].set_ylabel("Eq. 27 error, % of diagonal")
+        figure.legend(*panels[0].get_legend_handles_labels(), loc="outside right upper", fontsize=7)
+        yield name, figure
 
 
 def _logarithmic(axes: Axes, name: str) -> None:
@@ -166,10 +197,8 @@ def _bars(cells: Sequence[Cell], key: str) -> np.ndarray:
 
 def _save(figure: Figure, path: Path) -> None:
     """Write a figure whole or not at all, the same bytes each time."""
-    part = path.with_name(f"{path.name}.part")
-    dated = {"svg": "Date", "pdf": "CreationDate"}.get(path.suffix[1:])
     from matplotlib import rc_context
 
-    with rc_context({"svg.hashsalt": "lpcompare", "svg.fonttype": "path"}):
+    dated = {"svg": "Date", "pdf": "CreationDate"}.get(path.suffix[1:])
+    with whole_file(path) as part, rc_context({"svg.hashsalt": "lpcompare", "svg.fonttype": "path"}):
         figure.savefig(part, format=path.suffix[1:], dpi=_DPI, metadata={dated: None} if dated else {})
-    os.replace(part, path)

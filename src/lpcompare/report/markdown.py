@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 from lpcompare.harness.record import Run
-from lpcompare.harness.store import replace_text
+from lpcompare.harness.writing import replace_text
 from lpcompare.report.cells import gather_cells
 from lpcompare.report.error_table import ErrorTable, caption, error_tables
 

@@ -6,7 +6,6 @@ box) as quality. A second, hidden layer per result holds every original with its
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from xml.etree import ElementTree
@@ -20,6 +19,7 @@ from lpcompare.geometry.scale import bounding_box_diagonal
 from lpcompare.harness.clouds import load_arrays
 from lpcompare.harness.inputs import file_name
 from lpcompare.harness.record import Run
+from lpcompare.harness.writing import replace_text
 from lpcompare.mesh_library import pymeshlab
 from lpcompare.report.cells import Cell, distinct, gather_cells
 from lpcompare.report.views import has_cloud, input_files
@@ -68,9 +68,7 @@ def _write_model(run: Run, folder: Path, original: Path, group: Sequence[Cell]) 
         _write_layer(path, points, faces, errors, high)
         layers.append((label, path.name, visible))
     project = folder / f"{file_name(group[0].model)}.mlp"
-    part = project.with_name(project.name + ".part")
-    part.write_text(_document(layers), encoding="utf-8")
-    os.replace(part, project)
+    replace_text(project, _document(layers))
     return project
 
 

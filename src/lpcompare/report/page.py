@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from pathlib import Path
@@ -14,10 +13,12 @@ from markupsafe import Markup
 
 from lpcompare.errors import UnknownName
 from lpcompare.harness.record import Run, load_run
+from lpcompare.harness.writing import replace_text
 from lpcompare.report.agreement import agreement_table, rank_table
 from lpcompare.report.cells import Cell, distinct, gather_cells
 from lpcompare.report.charts import choose_reference, collect_charts
 from lpcompare.report.columns import ERROR, RUNTIME, Heading, headings
+from lpcompare.report.damage import collect_damage
 from lpcompare.report.summary import summarize
 from lpcompare.report.views import collect_views, one_cloud
 from lpcompare.report.wording import number, percent, quantity, tau
@@ -47,13 +48,14 @@ def write_page(run_folder: str | Path, out: Path | None = None, *, reference: st
     Raises
     ------
     InputError
-        The run cannot be read.
+        The run cannot be read, or the page not be written.
     UnknownName
         The reference is not a method of the run.
     """
     run = load_run(run_folder)
     out = out or run.folder / "report.html"
-    _write(out, _render("page.html", page_context(run, reference)))
+    remedy = f"make room, or name another file: lpcompare report {run.folder} --out FILE"
+    replace_text(out, _render("page.html", page_context(run, reference)), remedy)
     return out
 
 
@@ -73,7 +75,7 @@ def write_view(cloud: PointCloud, out: Path) -> Path:
     """
     view = one_cloud(cloud)
     title = cloud.name or "point cloud"
-    _write(
+    replace_text(
         out,
         _render(
             "view.html", {"title": title, "views": [view], "scripts": ("theme", "decode", "views", "start")}
@@ -90,7 +92,8 @@ def page_context(run: Run, reference: str = "") -> dict[str, Any]:
         raise UnknownName("method of this run", reference, methods)
     known = headings({key for cell in cells for key in cell.values})
     return {
-        "title": _title(cells),
+        "title": run.plan.get("title") or _models(cells),
+        "subject": _models(cells),
         "run": run,
         "cells": sorted(cells, key=_by_error),
         "headings": known,
@@ -104,12 +107,13 @@ def page_context(run: Run, reference: str = "") -> dict[str, Any]:
         "ranking": rank_table(cells, known),
         "agreement": agreement_table(cells, known),
         "charts": collect_charts(cells, known, reference or choose_reference(cells)),
+        "damage": collect_damage(run.records),
         "views": collect_views(run, cells),
-        "scripts": ("theme", "table", "charts", "decode", "views", "start"),
+        "scripts": ("theme", "table", "charts", "damage", "decode", "views", "start"),
     }
 
 
-def _title(cells: Sequence[Cell]) -> str:
+def _models(cells: Sequence[Cell]) -> str:
     models = distinct(cells, "model")
     if not models:
         return "An empty run"
@@ -166,11 +170,3 @@ def _plotly() -> Markup:
     from plotly.offline import get_plotlyjs
 
     return Markup(get_plotlyjs())
-
-
-def _write(path: Path, text: str) -> None:
-    """Write a file whole or not at all."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    part = path.with_name(path.name + ".part")
-    part.write_text(text, encoding="utf-8")
-    os.replace(part, path)

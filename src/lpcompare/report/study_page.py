@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from lpcompare.harness.record import Run
-from lpcompare.harness.store import replace_text
+from lpcompare.harness.writing import replace_text
 from lpcompare.report.cells import Cell, distinct, gather_cells
 from lpcompare.report.charts import choose_reference
 from lpcompare.report.columns import ERROR, RUNTIME, headings, metric_keys

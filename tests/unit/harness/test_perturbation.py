@@ -6,8 +6,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from lpcompare.errors import InputError, UnknownName
+from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.harness.perturbation import LARGEST_LEVEL, Perturbation, mean_spacing, perturb
 from lpcompare.harness.warmup import torus
+from lpcompare.registry import METHODS
 from lpcompare.types import PointCloud
 
 KINDS = [kind for kind in LARGEST_LEVEL if kind != "none"]
@@ -82,3 +84,15 @@ def test_impossible_damage_is_refused():
 @pytest.mark.parametrize("points", [np.zeros((1, 3)), np.zeros((5, 3)), np.arange(12.0).reshape(4, 3)])
 def test_degenerate_clouds_can_be_damaged(kind, points):
     assert np.isfinite(perturb(PointCloud(points), Perturbation(kind, 0.5), 0).points).all()
+
+
+@pytest.mark.parametrize("method", [name for name in METHODS if METHODS.traits(name).needs_mesh])
+def test_methods_that_need_the_mesh_never_see_outliers(method):
+    clean = torus()
+    damaged = perturb(clean, Perturbation("outliers", 1.0), 0)
+    settings = METHODS.module(method).calibrate(
+        damaged.points, 64, rng=np.random.default_rng(0), cloud=damaged
+    )
+    result = METHODS.get(method)(damaged.points, 64, rng=np.random.default_rng(0), cloud=damaged, **settings)
+    distances, _ = Neighbors(damaged.points[len(clean) :]).query(result.points, 1)
+    assert distances.min() > 1e-3

@@ -135,6 +135,7 @@ def test_every_preset_is_a_plan(name):
     study = read_study(name)
     assert study["title"].endswith((".", "?"))
     plan = build_plan(study, **MACHINE)
+    assert plan.title == study["title"]
     assert len(plan) == len(list(plan.cases())) > 0
 
 

@@ -4,8 +4,10 @@ from dataclasses import replace
 
 import pytest
 
+from lpcompare.harness.perturbation import LARGEST_LEVEL
 from lpcompare.harness.record import Record
-from lpcompare.report.damage_table import damage_curves, format_damage
+from lpcompare.report.damage import LEVELS, collect_damage, damage_curves
+from lpcompare.report.damage_table import format_damage
 
 
 def record(method, kind, level, error, status="ok"):
@@ -63,3 +65,19 @@ def test_a_failed_case_has_no_growth_and_is_not_counted():
 def test_curves_start_at_the_clean_cloud_and_average_the_seeds():
     rows = [*run_with("noise", 1.5, []), record("lp_printed", "noise", 0.5, 0.25)]
     assert damage_curves(rows, "ball", 0.8, "noise") == {"lp_printed": {0.0: 0.1, 0.5: pytest.approx(0.2)}}
+
+
+def test_the_page_is_given_the_curves_without_what_has_no_result_and_who_saw_no_outlier():
+    rows = [*run_with("outliers", 1.5, [2.0]), record("crasher", "outliers", 0.5, 0.1, status="failed")]
+    rows = [replace(r, needs_mesh=r.method == "other_0") for r in rows]
+    shown = collect_damage(rows)
+    (panel,) = shown["panels"]
+    assert panel["curves"]["lp_printed"] == [(0.0, 0.1), (0.5, pytest.approx(0.15))]
+    assert panel["curves"].keys() == {"lp_printed", "other_0"}
+    assert (shown["models"], shown["reductions"], list(shown["kinds"])) == (["ball"], [0.8], ["outliers"])
+    assert shown["blind"] == ["other_0"]
+    assert collect_damage(rows[:2])["panels"] == []
+
+
+def test_every_kind_of_damage_has_a_caption():
+    assert LEVELS.keys() == LARGEST_LEVEL.keys() - {"none"}

@@ -2,6 +2,7 @@
 
 import csv
 import shutil
+from dataclasses import replace
 from statistics import median
 from xml.etree import ElementTree
 
@@ -64,6 +65,17 @@ def test_every_figure_is_written_in_every_format(plain_run, tmp_path):
     }
     heads = {".png": b"\x89PNG", ".pdf": b"%PDF", ".svg": b"<?xml"}
     assert all(p.read_bytes().startswith(heads[p.suffix]) for p in paths)
+
+
+def test_damaged_inputs_have_a_figure_of_their_own(new_run, tmp_path):
+    new_run.model("dented", dented_sphere(300))
+    new_run.case("dented", "random_sample", 0.8)
+    new_run.records += [
+        replace(new_run.records[0], perturbation=kind, perturbation_level=0.5)
+        for kind in ("noise", "missing")
+    ]
+    names = {path.stem for path in write_figures(load_run(new_run.write()), tmp_path)}
+    assert "dented-damage-0.8" in names
 
 
 def test_a_run_without_results_or_clouds_has_the_figures_that_it_can(plain_run, new_run, tmp_path):

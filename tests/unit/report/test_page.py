@@ -36,6 +36,16 @@ def test_page_names_every_method_status_and_reason_and_the_command(plain_run, tm
     assert "first_rows" in text_of(write_page(plain_run / "run.json", tmp_path / "again.html"))
 
 
+def test_the_heading_is_the_studys_title_and_the_model_where_there_is_none(plain_run, tmp_path):
+    run = json.loads((plain_run / "run.json").read_text(encoding="utf-8"))
+    assert "<h1>dented</h1>" in text_of(write_page(plain_run, tmp_path / "page.html"))
+    run["plan"]["title"] = "What <b>noise</b> does."
+    (tmp_path / "run.json").write_text(json.dumps(run), encoding="utf-8")
+    text = text_of(write_page(tmp_path))
+    assert "<h1>What &lt;b&gt;noise&lt;/b&gt; does.</h1>" in text
+    assert "compared · dented</p>" in text
+
+
 def test_page_asks_for_nothing_from_a_network(plain_run, tmp_path):
     page = write_page(plain_run, tmp_path / "page.html").read_text(encoding="utf-8")
     assert "default-src 'none'" in page
