@@ -114,6 +114,8 @@ def same_format(source: str | os.PathLike[str], target: str | os.PathLike[str]) 
 def left_out(path: str | os.PathLike[str], cloud: PointCloud) -> tuple[str, ...]:
     """What of a cloud the format of ``path`` cannot hold: "normals", "colors", "attributes", "faces"."""
     holds = _module(_writable(Path(path))).HOLDS
+    if Path(path).suffix.lower() == ".npy":
+        holds = {"attributes"} if cloud.attributes.keys() <= {"columns"} else set()
     parts = ("normals", "colors", "attributes", "faces")
     return tuple(part for part in parts if _has(cloud, part) and part not in holds)
 
