@@ -25,7 +25,7 @@ _FAMILIES = {
 _FAMILY = {suffix: family for family, suffixes in _FAMILIES.items() for suffix in suffixes}
 _ISOLATED = ("las", "foreign")
 _READ_BY_MESHLAB = (
-    *(".3ds", ".apts", ".ctm", ".dae", ".e57", ".fbx", ".glb", ".gltf", ".stl", ".tri", ".vmi", ".wrl"),
+    *(".3ds", ".apts", ".ctm", ".dae", ".e57", ".fbx", ".glb", ".gltf", ".stl", ".tri", ".wrl"),
     *(".x3d", ".x3dv"),
 )
 _READ_ONLY = {".ptx": "ptx"} | dict.fromkeys(_READ_BY_MESHLAB, "foreign")
