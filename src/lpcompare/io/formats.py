@@ -25,7 +25,7 @@ _FAMILIES = {
 _FAMILY = {suffix: family for family, suffixes in _FAMILIES.items() for suffix in suffixes}
 _ISOLATED = ("las", "foreign")
 _READ_BY_MESHLAB = (
-    *(".3ds", ".apts", ".ctm", ".dae", ".e57", ".fbx", ".glb", ".gltf", ".stl", ".tri", ".vmi", ".wrl"),
+    *(".3ds", ".apts", ".ctm", ".dae", ".e57", ".fbx", ".glb", ".gltf", ".stl", ".tri", ".wrl"),
     *(".x3d", ".x3dv"),
 )
 _READ_ONLY = {".ptx": "ptx"} | dict.fromkeys(_READ_BY_MESHLAB, "foreign")
@@ -114,6 +114,8 @@ def same_format(source: str | os.PathLike[str], target: str | os.PathLike[str]) 
 def left_out(path: str | os.PathLike[str], cloud: PointCloud) -> tuple[str, ...]:
     """What of a cloud the format of ``path`` cannot hold: "normals", "colors", "attributes", "faces"."""
     holds = _module(_writable(Path(path))).HOLDS
+    if Path(path).suffix.lower() == ".npy":
+        holds = {"attributes"} if cloud.attributes.keys() <= {"columns"} else set()
     parts = ("normals", "colors", "attributes", "faces")
     return tuple(part for part in parts if _has(cloud, part) and part not in holds)
 

@@ -10,7 +10,7 @@ import pytest
 from plyfile import PlyData, PlyElement
 
 from lpcompare.errors import InputError
-from lpcompare.io import keep_rows, read_point_cloud, write_point_cloud
+from lpcompare.io import keep_rows, left_out, read_point_cloud, write_point_cloud
 from lpcompare.types import PointCloud
 
 N = 200
@@ -46,6 +46,11 @@ def test_coordinates_survive_to_the_last_bit(suffix, cloud, tmp_path):
 def test_faces_survive(suffix, cloud, tmp_path):
     write_point_cloud(tmp_path / f"cloud{suffix}", cloud)
     assert np.array_equal(read_point_cloud(tmp_path / f"cloud{suffix}").faces, cloud.faces)
+
+
+def test_an_npy_says_that_it_holds_coordinates_and_unnamed_columns_only(cloud):
+    assert left_out("a.npy", cloud) == ("normals", "colors", "attributes", "faces")
+    assert left_out("a.npy", PointCloud(cloud.points, attributes={"columns": np.ones((N, 2))})) == ()
 
 
 @pytest.mark.parametrize("suffix", [".ply", ".npz", ".pcd", ".txt", ".csv", ".las"])
