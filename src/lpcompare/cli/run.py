@@ -119,12 +119,11 @@ def _plan(study: str, flags: dict[str, Any], assignments: list[str], machine: di
 
 def _run(plan: Plan, models: Mapping[str, PointCloud], folder: Path, *, resume: bool, quiet: bool) -> None:
     from lpcompare.cli._progress import RunProgress, shows_progress
-    from lpcompare.harness.estimate import Estimate
     from lpcompare.harness.runner import run_plan
     from lpcompare.report.page import write_page
     from lpcompare.report.table import format_run
 
-    estimate = Estimate({name: len(cloud) for name, cloud in models.items()}, plan.jobs)
+    estimate = _estimate(plan, models)
     shown = shows_progress(quiet)
     if shown:
         typer.echo(_size(plan, estimate), err=True)
@@ -138,6 +137,13 @@ def _run(plan: Plan, models: Mapping[str, PointCloud], folder: Path, *, resume: 
     typer.echo(f"\nThe run is in {folder}; look at it in {write_page(folder)}.")
 
 
+def _estimate(plan: Plan, models: Mapping[str, PointCloud]) -> Estimate:
+    from lpcompare.harness.child import start_seconds
+    from lpcompare.harness.estimate import Estimate
+
+    return Estimate({name: len(cloud) for name, cloud in models.items()}, plan.jobs, start_seconds())
+
+
 def _size(plan: Plan, estimate: Estimate) -> str:
     from lpcompare.harness.estimate import duration
 
@@ -146,15 +152,10 @@ def _size(plan: Plan, estimate: Estimate) -> str:
 
 def _description(plan: Plan, models: Mapping[str, PointCloud]) -> str:
     """The plan in words, for --dry-run."""
-    from lpcompare.harness.estimate import Estimate
     from lpcompare.harness.plan import target_count
     from lpcompare.registry import METHODS
 
-    lines = [
-        _size(plan, Estimate({name: len(cloud) for name, cloud in models.items()}, plan.jobs)),
-        "",
-        "models:",
-    ]
+    lines = [_size(plan, _estimate(plan, models)), "", "models:"]
     for cloud in models.values():
         counts = ", ".join(
             f"{target_count(len(cloud), r):,} ({100 * r:g} % removed)" for r in plan.reductions

@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
 from threading import TIMEOUT_MAX, Event, Timer
+from time import perf_counter
 from typing import Any, BinaryIO
 
 from lpcompare.errors import InputError
@@ -33,6 +34,14 @@ _TAIL_LINES, _TAIL_CHARACTERS = 3, 300
 def thread_environment(threads: int) -> dict[str, str]:
     """The environment variables that hold every library to ``threads`` threads."""
     return dict.fromkeys(_THREAD_VARIABLES, str(threads))
+
+
+def start_seconds() -> float:
+    """Seconds on the wall clock until a process has imported what every case needs, as things are now."""
+    modules = "lpcompare.harness.worker, lpcompare.harness.timing, lpcompare.comparison"
+    began = perf_counter()
+    subprocess.run([sys.executable, "-P", "-c", f"import {modules}"], stdin=subprocess.DEVNULL, check=True)
+    return perf_counter() - began
 
 
 class Stopped(Exception):  # noqa: N818 - an order, not a fault

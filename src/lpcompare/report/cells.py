@@ -143,6 +143,11 @@ def _columns(good: list[Record]) -> dict[str, list[float]]:
     return columns
 
 
+def clean_cells(cells: Sequence[Cell]) -> Sequence[Cell]:
+    """The cells of clean inputs, where there are any: a damaged input is not one more model."""
+    return [cell for cell in cells if not cell.perturbed] or cells
+
+
 def distinct(cells: Iterable[Cell], name: str) -> list[Any]:
     """The different values of one attribute, in the order in which they appear."""
     return list(dict.fromkeys(getattr(cell, name) for cell in cells))

@@ -15,7 +15,7 @@ from lpcompare.errors import UnknownName
 from lpcompare.harness.record import Run, load_run
 from lpcompare.harness.writing import replace_text
 from lpcompare.report.agreement import agreement_table, rank_table
-from lpcompare.report.cells import Cell, distinct, gather_cells
+from lpcompare.report.cells import Cell, clean_cells, distinct, gather_cells
 from lpcompare.report.charts import choose_reference, collect_charts
 from lpcompare.report.columns import ERROR, RUNTIME, Heading, headings
 from lpcompare.report.damage import collect_damage
@@ -87,13 +87,14 @@ def write_view(cloud: PointCloud, out: Path) -> Path:
 def page_context(run: Run, reference: str = "") -> dict[str, Any]:
     """What the template shows of a run; raises `UnknownName` for a reference that is not in it."""
     cells = gather_cells(run.records)
+    clean = clean_cells(cells)
     methods = distinct(cells, "method")
     if reference and reference not in methods:
         raise UnknownName("method of this run", reference, methods)
     known = headings({key for cell in cells for key in cell.values})
     return {
-        "title": run.plan.get("title") or _models(cells),
-        "subject": _models(cells),
+        "title": run.plan.get("title") or _models(clean),
+        "subject": _models(clean),
         "run": run,
         "cells": sorted(cells, key=_by_error),
         "headings": known,
@@ -104,8 +105,8 @@ def page_context(run: Run, reference: str = "") -> dict[str, Any]:
         "summary": summarize(cells),
         "troubles": [cell for cell in cells if cell.message],
         "settings": _settings(cells),
-        "ranking": rank_table(cells, known),
-        "agreement": agreement_table(cells, known),
+        "ranking": rank_table(clean, known),
+        "agreement": agreement_table(clean, known),
         "charts": collect_charts(cells, known, reference or choose_reference(cells)),
         "damage": collect_damage(run.records),
         "views": collect_views(run, cells),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 
-from lpcompare.report.cells import Cell, distinct, pareto_front
+from lpcompare.report.cells import Cell, clean_cells, distinct, pareto_front
 from lpcompare.report.columns import ERROR, RUNTIME, headings, metric_keys
 from lpcompare.report.ranks import Ranking, rank_over_cells, rank_over_models
 from lpcompare.report.wording import count, listing, number, percent, seconds
@@ -31,7 +31,7 @@ def summarize(cells: Sequence[Cell]) -> list[str]:
     """
     if not cells:
         return ["The run holds no case: nothing was compared."]
-    good = [cell for cell in cells if cell.ok]
+    good = [cell for cell in clean_cells(cells) if cell.ok]
     if not good:
         return [_scope(cells), "No case ended with a result.", *_troubles(cells)]
     return [_scope(cells), *_error(good), *_under_conditions(good), *_speed(good), *_front(good),
@@ -39,16 +39,23 @@ def summarize(cells: Sequence[Cell]) -> list[str]:
 
 
 def _scope(cells: Sequence[Cell]) -> str:
-    models, methods, reductions = (distinct(cells, k) for k in ("model", "method", "reduction"))
-    sizes = {cell.model: cell.n_input for cell in cells}
+    clean = clean_cells(cells)
+    models, methods, reductions = (distinct(clean, k) for k in ("model", "method", "reduction"))
+    sizes = {cell.model: cell.n_input for cell in clean}
     where = f"{models[0]} ({sizes[models[0]]:,} points)" if len(models) == 1 else count(len(models), "model")
     rates = listing([percent(r) for r in sorted(reductions)])
     total = sum(sum(cell.statuses.values()) for cell in cells)
     ended = sum(cell.statuses.get("ok", 0) for cell in cells)
     return (
         f"{count(len(methods), 'method').capitalize()} on {where} with {rates} of the points removed: "
-        f"{count(total, 'case')}, {'all' if ended == total else f'{ended:,}'} with a result."
+        f"{count(total, 'case')}, {'all' if ended == total else f'{ended:,}'} with a result{_damaged(cells)}."
     )
+
+
+def _damaged(cells: Sequence[Cell]) -> str:
+    """That the cases of damaged inputs are not in what follows, where there are clean ones beside them."""
+    n = len(distinct(cells, "model")) - len(distinct(clean_cells(cells), "model"))
+    return f"; those of {count(n, 'damaged input')} are not in what follows" if n else ""
 
 
 def _error(good: Sequence[Cell]) -> Iterator[str]:

@@ -124,3 +124,14 @@ def test_ten_models_with_one_constant_winner_are_significant():
     text = told(cells)
     assert "a has the lowest error (eq. 27) in all 10 pairs of model and reduction" in text
     assert "Over ten models, a has the best mean rank and is significantly better than c (5 %)." in text
+
+
+def test_damaged_inputs_are_no_more_models_and_decide_nothing():
+    clean = [cell("a", 1), cell("b", 2)]
+    damaged = [cell(m, e, model="bunny + noise 1", perturbed=True) for m, e in (("a", 9), ("b", 3))]
+    text = told(clean + damaged)
+    assert "Two methods on bunny (100 points)" in text
+    assert "four cases, all with a result; those of one damaged input are not in what follows." in text
+    assert "a has the lowest error (eq. 27) at 90 %, 1.00 % of the diagonal" in text
+    assert text.split(". ", 1)[1] == told(clean).split(". ", 1)[1]
+    assert "damaged input" not in told(damaged), "there is nothing else to speak of"
