@@ -4,7 +4,8 @@ Records are paired by model, damage, variant, reduction, seed and repeat. Runtim
 the reference work that each child process did around its call (`lpcompare.harness.timing`), so that a machine
 that was busy in one run does not make every method look slower. A difference is called one only when its
 p-value, adjusted for the number of methods (Holm), is below 5 %; of runtimes, only beyond a margin as well.
-Where the machine was busy in either run, only processor time is judged.
+Where the machine was busy in either run, runtimes are not judged at all: a program on the other processor
+slows some methods by a third and others not, and processor time is no refuge from it.
 """
 
 from __future__ import annotations
@@ -25,6 +26,9 @@ RUNTIME_MARGIN = 0.05
 SHORTEST_S = 0.005
 """Calls shorter than 5 ms are not judged: what ran before them decides their time."""
 
+LARGEST_FOREIGN_LOAD = 0.1
+"""Other programs that hold more than a tenth of a processor make the machine a busy one."""
+
 _LONGEST_WAIT = 0.1
 
 
@@ -39,14 +43,14 @@ class MethodDifference:
     seconds : float
         Median runtime over both runs.
     wall, cpu : Difference or None
-        Of the logarithms of the runtimes, in units of the reference work: on the wall clock, and of all
-        processors together; None where the runs have no such seconds.
+        Of the logarithms of the runtimes, in units of the reference work: on the wall clock, which is judged,
+        and of all processors together; None where the runs have no such seconds.
     error : Difference or None
         Of the eq. 27 errors, in % of the diagonal.
     same_points : int
         Pairs whose points are identical.
     runtime_verdict : str
-        "slower", "faster", "n.s.", "too short" or "too few pairs".
+        "slower", "faster", "n.s.", "busy" (the machine), "too short" or "too few pairs".
     error_verdict : str
         "worse", "better", "identical", "n.s." or "too few pairs".
     """
@@ -76,18 +80,22 @@ def compare_runs(first: Run, second: Run) -> list[MethodDifference]:
         raise InputError(f"{first.folder} and {second.folder} have no finished case in common.")
     measured = [_measure(variant, group) for variant, group in pairs.items()]
     busy = was_busy(first) or was_busy(second)
-    clocks = holm([_p_value(d) for m in measured for d in (None if busy else m.wall, m.cpu)])
+    runtimes = holm([_p_value(m.wall) for m in measured])
     errors = holm([_p_value(m.error) for m in measured])
-    return [_judge(one, clocks[2 * i : 2 * i + 2], errors[i]) for i, one in enumerate(measured)]
+    judged = map(_judge, measured, runtimes, errors)
+    return [replace(one, runtime_verdict="busy") if busy else one for one in judged]
 
 
 def was_busy(run: Run) -> bool:
-    """Whether other programs held the processors: the reference work waited more than a tenth of its time.
+    """Whether other programs held the processors, or the reference work waited more than a tenth of its time.
 
-    A short call slips through between two waits and a long one does not: no wall clock can be believed then.
+    A short call slips through between two waits and a long one does not, and what shares a processor's memory
+    slows what needs it: no clock can be believed then.
     """
+    loads = [r.foreign_load for r in run.records if r.foreign_load is not None]
     waits = [r.reference_s / r.reference_cpu_s for r in run.records if r.reference_s and r.reference_cpu_s]
-    return bool(waits) and median(waits) > 1 + _LONGEST_WAIT
+    loaded = bool(loads) and median(loads) > LARGEST_FOREIGN_LOAD
+    return loaded or (bool(waits) and median(waits) > 1 + _LONGEST_WAIT)
 
 
 def check_inputs(first: Run, second: Run) -> None:
@@ -155,15 +163,11 @@ def _p_value(difference: Difference | None) -> float:
     return difference.p_value if difference else 1.0
 
 
-def _judge(measured: MethodDifference, clocks: list[float], error_p: float) -> MethodDifference:
-    """Either clock may tell runtimes apart; on a busy machine only the processors' own."""
-    wall, cpu = (
-        verdict(d, p, "slower", "faster") for d, p in zip((measured.wall, measured.cpu), clocks, strict=True)
-    )
+def _judge(measured: MethodDifference, runtime_p: float, error_p: float) -> MethodDifference:
+    runtime = verdict(measured.wall, runtime_p, "slower", "faster")
     error = verdict(measured.error, error_p, "worse", "better")
     if measured.error is not None and measured.error.low == measured.error.high == 0:
         error = "identical"
-    runtime = cpu if cpu in ("slower", "faster") else wall
     if measured.seconds < SHORTEST_S:
         runtime = "too short"
     return replace(measured, runtime_verdict=runtime, error_verdict=error)

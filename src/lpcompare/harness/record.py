@@ -59,6 +59,9 @@ class Record:
     reference_s, reference_cpu_s : float or None
         Seconds of a fixed piece of work in the same process just before and after the call: how fast the
         machine was.
+    foreign_load : float or None
+        Processors that other programs held on average, from the start of the child process to the end of the
+        call.
     peak_memory_mib : float or None
         Largest resident memory of the child process up to the end of the call, imports included.
     subset, needs_mesh : bool or None
@@ -96,6 +99,7 @@ class Record:
     cpu_s: float | None = None
     reference_s: float | None = None
     reference_cpu_s: float | None = None
+    foreign_load: float | None = None
     peak_memory_mib: float | None = None
     subset: bool | None = None
     needs_mesh: bool | None = None

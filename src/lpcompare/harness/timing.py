@@ -1,8 +1,9 @@
-"""The clock, and a fixed piece of work that tells how fast the machine is at the moment."""
+"""The clock, a fixed piece of work that tells how fast the machine is, and what other programs take of it."""
 
 from __future__ import annotations
 
 import gc
+import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from statistics import median
@@ -10,6 +11,7 @@ from time import perf_counter, process_time
 from typing import TypeVar
 
 import numpy as np
+import psutil
 from scipy.spatial import KDTree
 
 T = TypeVar("T")
@@ -46,6 +48,26 @@ def reference_seconds() -> Seconds:
     points = np.random.default_rng(0).random((_REFERENCE_POINTS, 3))
     rounds = [_clocked(lambda: _reference_work(points))[1] for _ in range(_REFERENCE_ROUNDS)]
     return Seconds(median(r.wall for r in rounds), median(r.cpu for r in rounds))
+
+
+class OtherPrograms:
+    """What other programs take of the processors from now on."""
+
+    def __init__(self) -> None:
+        self._began = _used()
+
+    def load(self) -> float:
+        """Processors that they held on average since."""
+        wall, busy, own = (now - then for now, then in zip(_used(), self._began, strict=True))
+        return max(busy - own, 0.0) / wall
+
+
+def _used() -> tuple[float, float, float]:
+    """Seconds on the wall clock, of all processors in use, and of this process with its children."""
+    times = psutil.cpu_times()._asdict()
+    # time of a guest is counted as the user's too
+    idle = sum(times.get(name, 0.0) for name in ("idle", "iowait", "guest", "guest_nice"))
+    return perf_counter(), sum(times.values()) - idle, sum(os.times()[:4])
 
 
 def _reference_work(points: np.ndarray) -> None:

@@ -132,10 +132,11 @@ def main() -> None:
 
 def _simplify(request: dict[str, Any], reply: Reply) -> Simplification | None:
     """Load, calibrate, warm up, time the call, check the result."""
-    from lpcompare.harness.timing import reference_seconds, timed
+    from lpcompare.harness.timing import OtherPrograms, reference_seconds, timed
     from lpcompare.harness.warmup import load_library, warm_up
 
     reply.stage("the import")
+    others = OtherPrograms()
     case, target = Case(request), int(request["target_count"])
     load_library(case.traits)
     case.load()
@@ -157,6 +158,7 @@ def _simplify(request: dict[str, Any], reply: Reply) -> Simplification | None:
         "calibration_s": search.wall if hasattr(case.module, "calibrate") else None,
         "reference_s": (before_call.wall + after_call.wall) / 2,
         "reference_cpu_s": (before_call.cpu + after_call.cpu) / 2,
+        "foreign_load": others.load(),
         "peak_memory_mib": peak,
         "settings": case.effective_settings(),
         "needs_mesh": case.traits.needs_mesh,

@@ -108,6 +108,6 @@ def _legend(first: Run, second: Run) -> str:
         "of the diagonal; same: pairs with identical points. Called different at 5 % over all methods "
         f"(paired t on logarithms, Holm), runtimes only beyond {100 * RUNTIME_MARGIN:g} %; "
         "n.s.: not significant; too short: below 5 ms."
-        + " The machine was busy in one of the runs: only processor time is judged." * busy
+        + " Other programs kept the machine busy in one of the runs: no runtime is judged." * busy
         + " Cases ran side by side: the runtimes are unreliable." * parallel
     )

@@ -39,6 +39,7 @@ def run_of(rng, *, slower=1.0, worse=0.0, busy=1.0, noise=0.05, sha="same", redu
                         cpu_s=seconds,
                         reference_s=reference,
                         reference_cpu_s=reference,
+                        foreign_load=0.01,
                         points_sha256="x",
                         metrics={"plane_error_pct": error},
                     )
@@ -71,8 +72,16 @@ def test_a_wall_clock_disturbed_by_other_programs_is_not_judged(rng):
     disturbed = run_of(rng)
     waited = tuple(replace(r, reference_s=3 * r.reference_s) for r in disturbed.records)
     rows = compare_runs(run_of(rng), replace(disturbed, records=waited))
-    assert all(row.runtime_verdict == "n.s." for row in rows)
+    assert all(row.runtime_verdict == "busy" for row in rows)
     assert all(row.wall.mean < -0.9 for row in rows), "the ratio itself is shown"
+
+
+@pytest.mark.parametrize(("load", "judged"), [(0.05, "slower"), (0.5, "busy")])
+def test_runtimes_beside_other_programs_are_not_judged(rng, load, judged):
+    slower = run_of(rng, slower=1.3)
+    slower = replace(slower, records=tuple(replace(r, foreign_load=load) for r in slower.records))
+    assert compare_runs(run_of(rng), slower)[1].runtime_verdict == judged
+    assert ("busy in one of the runs" in format_comparison(run_of(rng), slower)) == (judged == "busy")
 
 
 def test_calls_too_short_to_judge_are_not_judged(rng):
