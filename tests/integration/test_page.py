@@ -35,9 +35,10 @@ def browser():
 class Visit:
     """A page opened from disk, with all that it complained about and asked for."""
 
-    def __init__(self, browser, path, **context):
+    def __init__(self, browser, path, script="", **context):
         self.context = browser.new_context(**{"viewport": {"width": 1280, "height": 900}, **context})
         self.page = self.context.new_page()
+        self.page.add_init_script(script)
         self.page.set_default_timeout(WAIT_MS)
         self.complaints, self.requests = [], []
         self.page.on("console", lambda m: m.type == "error" and self.complaints.append(m.text))
@@ -95,6 +96,32 @@ def test_page_opens_without_a_complaint_or_a_request(visit, path):
     visit.page.evaluate("drawCharts()")
     assert visit.page.locator("#chart-runtime .plot-container").count() == 1
     assert visit.quiet(path), (visit.complaints, visit.requests)
+
+
+WATCH_DRAWING = """
+window.steps = [];
+let plotly;
+Object.defineProperty(window, "Plotly", {
+  configurable: true,
+  get: () => plotly,
+  set: (loaded) => {
+    plotly = { ...loaded, react: async (target, ...rest) => {
+      steps.push(target.className === "scene" ? "view" : "chart");
+      await loaded.react(target, ...rest);
+      requestAnimationFrame(() => setTimeout(() => steps.push("frame")));
+    } };
+  },
+});
+"""
+
+
+def test_each_view_is_on_the_screen_before_the_next_is_begun_and_the_charts_come_last(browser, path):
+    everything_in_sight = {"width": 1280, "height": 6000}
+    visit = Visit(browser, path, WATCH_DRAWING, viewport=everything_in_sight).drawn(3)
+    visit.page.wait_for_function("steps.filter(step => step === 'chart').length === 4")
+    assert visit.page.evaluate("steps").index("chart") == 6
+    assert visit.page.evaluate("steps.slice(0, 6)") == ["view", "frame"] * 3
+    visit.context.close()
 
 
 def test_a_click_on_a_heading_sorts_and_a_second_one_turns_the_order(visit):

@@ -11,8 +11,8 @@ _COLORS = (
 )  # fmt: skip
 """Told apart by the colour-blind: eight of Okabe and Ito, the rest of Tol's "muted"; on light and dark."""
 
-_ON_DARK = {"#882255": "#c4588f", "#332288": "#8f80e0"}
-"""Lighter doubles of the colours that vanish on a dark page."""
+_ON_DARK = {"#882255": "#cf1745", "#332288": "#8f80e0"}
+"""Lighter doubles of the colours that vanish on a dark page, away from the other eleven."""
 
 CLUSTER_COLORS = (
     "#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9",

@@ -102,11 +102,16 @@ def _lead(won: list[list[Cell]]) -> str:
     ratios = [ranked[1].value(ERROR) / ranked[0].value(ERROR) for ranked in rivals]
     runners = list(dict.fromkeys(ranked[1].method for ranked in rivals))
     who = listing(runners) if len(runners) <= 2 else "the next method"
-    return f"; {who} {_has(runners)} {_range(ratios)} times as much{_overlap(rivals)}"
+    return f"; {who} {_has(runners)} {_times(ratios)}{_overlap(rivals)}"
 
 
 def _has(names: Sequence[str]) -> str:
     return "have" if len(names) == 2 else "has"
+
+
+def _times(ratios: list[float]) -> str:
+    span = _range(ratios)
+    return "as much, to three digits" if span == number(1) else f"{span} times as much"
 
 
 def _range(ratios: list[float]) -> str:
@@ -194,9 +199,18 @@ def _other_metrics(good: Sequence[Cell]) -> Iterator[str]:
         leaders = _leaders(rank_over_cells(good, known[key]))
         if leaders and first and first[0] not in leaders:
             dissent.setdefault(leaders, []).append(title)
-    told = [f"{_names(m)} ({_titles(t)})" for m, t in sorted(dissent.items(), key=lambda d: -len(d[1]))]
+    told = _most_told(sorted(dissent.items(), key=lambda d: -len(d[1])))
     if told:
         yield f"Other measures put another method first: {listing(told)}."
+
+
+def _most_told(dissent: Sequence[tuple[tuple[str, ...], list[str]]]) -> list[str]:
+    """The leaders of most measures each, and how many measures are left to others."""
+    told = [f"{_names(leaders)} ({_titles(titles)})" for leaders, titles in dissent]
+    if len(told) <= _LONGEST_LIST:
+        return told
+    rest = sum(len(titles) for _, titles in dissent[_LONGEST_LIST - 1 :])
+    return [*told[: _LONGEST_LIST - 1], f"others ({count(rest, 'measure')})"]
 
 
 def _leaders(ranking: Ranking) -> tuple[str, ...]:

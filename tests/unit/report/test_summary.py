@@ -29,6 +29,13 @@ def test_one_winner_everywhere_with_its_lead():
     )
 
 
+def test_a_lead_too_small_for_three_digits_is_called_as_much():
+    assert "; b has as much, to three digits." in told([cell("a", 1), cell("b", 1.001)])
+    assert "; b has 1.00 to 2.00 times as much." in told(
+        [cell("a", 1, reduction=0.8), cell("b", 1.001, reduction=0.8), cell("a", 1), cell("b", 2)]
+    )
+
+
 def test_a_single_method_is_not_called_the_lowest():
     text = told([cell("a", 1, reduction=0.8), cell("a", 2)])
     assert "a has an error (eq. 27) of 1.00 to 2.00 % of the diagonal." in text
@@ -78,6 +85,17 @@ def test_another_measure_with_another_winner_is_named():
         cell("b", 2, extra={other: Interval.of([3.0])}),
     ])  # fmt: skip
     assert "Other measures put another method first: b (Hausdorff distance)." in text
+
+
+def test_no_more_than_four_leaders_of_other_measures_are_named():
+    keys = ["hausdorff_pct", "chamfer_pct", "d1_mse", "d2_mse", "plane_error_max_pct"]
+    cells = [cell("best", 1, extra={key: Interval.of([9.0]) for key in keys})]
+    for place, method in enumerate("abcde"):
+        values = {key: Interval.of([1.0 if keys[place] == key else 5.0]) for key in keys}
+        cells.append(cell(method, 2 + place, extra=values))
+    (sentence,) = [s for s in summarize(cells) if s.startswith("Other measures")]
+    assert "others (two measures)." in sentence
+    assert sum(f" {method} (" in sentence for method in "abcde") == 3
 
 
 def test_measures_that_share_a_beginning_are_named_in_full():

@@ -241,7 +241,11 @@ function startCharts() {
   for (const id of ["chart-model", "chart-measure", "chart-reference", "chart-reduction"]) {
     document.getElementById(id).addEventListener("change", drawCharts);
   }
-  // Drawn when they come into sight, so that the views above them are there at once.
+}
+
+// Draw the charts when they come into sight.
+function watchCharts() {
+  if (!charts) return;
   const watcher = new IntersectionObserver((seen) => {
     if (seen.some((entry) => entry.isIntersecting)) {
       watcher.disconnect();

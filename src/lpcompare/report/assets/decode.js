@@ -1,8 +1,11 @@
 "use strict";
-// Base64 from the page back to arrays; the counterpart of lpcompare/report/views.py.
+// Base64 from the page back to arrays; the counterpart of lpcompare/report/packing.py.
 
 function decodeBytes(text) {
-  return Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+  const letters = atob(text);
+  const bytes = new Uint8Array(letters.length);
+  for (let i = 0; i < bytes.length; i++) bytes[i] = letters.charCodeAt(i);
+  return bytes;
 }
 
 function decodeWords(text) {

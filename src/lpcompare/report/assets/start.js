@@ -3,7 +3,8 @@
 
 if (typeof startTable === "function") startTable();
 if (typeof startCharts === "function") startCharts();
-startViews();
+// The charts wait for the views, so that the first view is there as soon as it can be.
+startViews().finally(() => typeof watchCharts === "function" && watchCharts());
 watchPrint(() => {
   if (typeof drawCharts === "function") drawCharts();
   showStills(onPaper());

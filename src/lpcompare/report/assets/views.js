@@ -113,10 +113,16 @@ function traces(result) {
 
 // --- scenes -------------------------------------------------------------------------------------------
 
+// Each part of an axis off: of an axis that is not visible, plotly still turns the letters into triangles.
+const NO_AXIS = {
+  title: { text: "" }, tickmode: "array", tickvals: [],
+  showgrid: false, showline: false, zeroline: false, showbackground: false, showspikes: false,
+};
+
 function sceneLayout() {
   const { span, up } = view.model;
   const longest = Math.max(...span) || 1;
-  const axis = (i) => ({ visible: false, range: span[i] > 0 ? [0, span[i]] : [-longest / 2, longest / 2] });
+  const axis = (i) => ({ ...NO_AXIS, range: span[i] > 0 ? [0, span[i]] : [-longest / 2, longest / 2] });
   const ratio = (i) => Math.max(span[i] / longest, 1e-3);
   return {
     margin: { l: 0, r: 0, t: 0, b: 0 }, showlegend: false, paper_bgcolor: "rgba(0,0,0,0)", uirevision: "kept",
@@ -310,7 +316,12 @@ function legendKey(name, colour) {
   return item;
 }
 
-// Draw what is chosen; panels that are still wanted stay, so that their WebGL context is used again.
+// Until what was drawn is on the screen: a callback before the next frame, and a turn after it.
+function nextFrame() {
+  return new Promise((shown) => requestAnimationFrame(() => setTimeout(shown)));
+}
+
+// Draw what is chosen, each view on the screen before work on the next one begins; panels that are still wanted stay, so that their WebGL context is used again.
 // A newer choice ends an older drawing.
 let turn = 0;
 async function drawViews() {
@@ -328,7 +339,7 @@ async function drawViews() {
   for (const result of wanted) {
     const scene = scenes().find((other) => other.result === result) ?? makePanel(result);
     await drawScene(scene);
-    await new Promise(requestAnimationFrame);
+    await nextFrame();
     if (mine !== turn) return;
   }
   document.getElementById("view-grid").dataset.drawn = wanted.length;
@@ -347,7 +358,7 @@ function onChoice(id, act) {
   });
 }
 
-function startViews() {
+async function startViews() {
   models = JSON.parse(document.getElementById("view-data").textContent);
   if (!models.length) return;
   fillSelect("view-model", models.map((model, i) => [String(i), model.name]), "0");
@@ -365,5 +376,5 @@ function startViews() {
   onChoice("view-points", (value) => (view.keptOnly = value === "kept"));
   onChoice("view-size", (value) => (view.size = Number(value)));
   document.getElementById("view-reset").addEventListener("click", resetCamera);
-  drawViews();
+  await drawViews();
 }
