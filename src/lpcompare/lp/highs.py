@@ -126,6 +126,8 @@ class Canonical:
         solver.setSolution(solution)
         if cancelled is not None:
             _watch(solver, cancelled)
+        # an earlier solve with another number of threads leaves this thread a scheduler that refuses ours
+        highspy.Highs.resetGlobalScheduler(True)
         solver.run()
         return _outcome(solver)
 

@@ -13,6 +13,7 @@ from lpcompare.errors import SolverError
 from lpcompare.lp.budget import allocate_budget, split_budget, target_from_reduction
 from lpcompare.lp.certificate import TOLERANCE, DensityGoal, certify
 from lpcompare.lp.density import cluster_density, inverse_distance_costs
+from lpcompare.lp.highs import Canonical
 from lpcompare.lp.reduction import Reading
 from lpcompare.lp.selection import Programme, SolverSettings, build_programme, select
 from lpcompare.lp.start import exchange, starting_mask
@@ -141,6 +142,17 @@ def test_clusters_solved_together_are_solved_as_each_alone():
         assert np.array_equal(mask, alone)
         assert certificate == proof
     assert steps == [(done, 5) for done in range(1, 6)]
+
+
+def test_a_solve_after_one_of_the_users_own_with_other_threads():
+    costs, _ = costs_of(30, 0)
+    problem, x, y = build_programme([Programme(costs, 9, DensityGoal(1.0))])
+    problem.solve(solver=cp.HIGHS, threads=2)
+    canonical, start = Canonical(problem), np.concatenate([x.value, y.value])
+    columns = np.concatenate([canonical.columns(x), canonical.columns(y)])
+    outcome = canonical.solve_from(columns, start, objective_target=1e-6, time_limit=5.0, gap=0.0)
+    assert outcome.status == "optimal"
+    problem.solve(solver=cp.HIGHS, threads=1)
 
 
 def test_a_joint_problem_is_the_sum_of_its_parts():
