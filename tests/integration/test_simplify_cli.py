@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from plyfile import PlyData
 
-from lpcompare.cli import main
+from lpcompare import cli
 from lpcompare.io import read_point_cloud, write_point_cloud
 from lpcompare.types import PointCloud
 
@@ -41,7 +41,7 @@ def lpcompare(monkeypatch, capsysbinary):
         monkeypatch.setattr(sys, "argv", ["lpcompare", "simplify", *map(str, words)])
         code = 0
         try:
-            main()
+            cli.main()
         except SystemExit as end:
             code = end.code or 0
         out = capsysbinary.readouterr()
@@ -209,13 +209,15 @@ def test_bad_files_are_one_sentence_and_no_output(kind, suffix, lpcompare, cloud
 def without_privileges():
     """As nobody, where the tests run as the superuser, who may read and write everything.
 
-    Run the command to an error before, so that it has nothing left to import, which nobody may not do.
+    Run the command to an error before, so that it has nothing left to import.
     """
     if os.geteuid() != 0:
         yield
         return
     os.setresuid(NOBODY, NOBODY, 0)
     try:
+        if not os.access(cli.__file__, os.R_OK):
+            pytest.skip("the superuser's installation is closed to the user without rights")
         yield
     finally:
         os.setresuid(0, 0, 0)
