@@ -40,7 +40,7 @@ def write(path: Path, cloud: PointCloud) -> None:
     header.scales = np.full(3, 10.0 ** np.ceil(np.log10(max(step, 1e-12))))
     header.offsets = np.floor(low)
     known = set(header.point_format.dimension_names)
-    extra = {n[:_LONGEST_NAME]: v for n, v in cloud.attributes.items() if v.ndim == 1 and n not in known}
+    extra = {n[:_LONGEST_NAME]: v for n, v in _columns(cloud).items() if n not in known}
     header.add_extra_dims([laspy.ExtraBytesParams(name=n, type=_type(v)) for n, v in extra.items()])
     file = laspy.LasData(header)
     file.x, file.y, file.z = cloud.points.T
@@ -50,6 +50,18 @@ def write(path: Path, cloud: PointCloud) -> None:
         for name, values in zip(_COLORS, cloud.colors.T, strict=False):
             file[name] = np.rint(np.clip(values, 0, 1) * 65535).astype(np.uint16)
     file.write(str(path))
+
+
+def _columns(cloud: PointCloud) -> dict[str, NDArray[Any]]:
+    """The attributes, those of several columns as one dimension for each: name_0, name_1, ..."""
+    columns: dict[str, NDArray[Any]] = {}
+    for name, values in cloud.attributes.items():
+        if values.ndim == 1:
+            columns[name] = values
+        else:
+            short = name[: _LONGEST_NAME - 4]
+            columns |= {f"{short}_{i}": v for i, v in enumerate(values.reshape(len(values), -1).T)}
+    return columns
 
 
 def keep_rows(source: Path, target: Path, rows: Indices) -> None:

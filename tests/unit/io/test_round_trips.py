@@ -303,3 +303,13 @@ def test_a_copc_becomes_a_plain_laz(rng, tmp_path):
     assert np.array_equal(kept.X, las.X[ROWS])
     with pytest.raises(InputError, match="COPC cannot be written"):
         keep_rows(tmp_path / "a.copc.laz", tmp_path / "c.copc.laz", ROWS)
+
+
+@pytest.mark.parametrize("suffix", [".las", ".laz"])
+def test_las_keeps_attributes_of_several_columns_one_by_one(suffix, rng, tmp_path):
+    flow = rng.normal(size=(50, 3))
+    cloud = PointCloud(rng.normal(size=(50, 3)), attributes={"flow": flow, "a" * 40: flow[:, :2]})
+    write_point_cloud(tmp_path / f"scan{suffix}", cloud)
+    back = read_point_cloud(tmp_path / f"scan{suffix}").attributes
+    assert np.array_equal(np.column_stack([back[f"flow_{i}"] for i in range(3)]), flow)
+    assert np.array_equal(back["a" * 28 + "_1"], flow[:, 1])
