@@ -20,11 +20,9 @@ class RunProgress:
     ----------
     cases : list of Case
     estimate : Estimate
-    shown : bool
-        False for --quiet and where stderr is not a terminal.
     """
 
-    def __init__(self, cases: list[Case], estimate: Estimate, *, shown: bool) -> None:
+    def __init__(self, cases: list[Case], estimate: Estimate) -> None:
         from rich.console import Console
         from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
@@ -38,7 +36,6 @@ class RunProgress:
             TimeElapsedColumn(),
             TextColumn("{task.fields[left]} left"),
             console=Console(stderr=True),
-            disable=not shown,
             transient=True,
         )
         self._task = self._bar.add_task("start", total=len(cases), left=self._time_left())

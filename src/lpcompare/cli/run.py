@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -11,6 +12,7 @@ import typer
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from lpcompare.cli._progress import RunProgress
     from lpcompare.harness.estimate import Estimate
     from lpcompare.harness.plan import Plan
     from lpcompare.types import PointCloud
@@ -118,23 +120,28 @@ def _plan(study: str, flags: dict[str, Any], assignments: list[str], machine: di
 
 
 def _run(plan: Plan, models: Mapping[str, PointCloud], folder: Path, *, resume: bool, quiet: bool) -> None:
-    from lpcompare.cli._progress import RunProgress, shows_progress
-    from lpcompare.harness.runner import run_plan
+    from lpcompare.cli._progress import shows_progress
+    from lpcompare.harness.runner import run_plan, silent
     from lpcompare.report.page import write_page
     from lpcompare.report.table import format_run
 
-    estimate = _estimate(plan, models)
-    shown = shows_progress(quiet)
-    if shown:
-        typer.echo(_size(plan, estimate), err=True)
     try:
-        with RunProgress(list(plan.cases()), estimate, shown=shown) as progress:
-            run = run_plan(plan, models, folder, resume=resume, listener=progress)
+        with _progress(plan, models) if shows_progress(quiet) else nullcontext(silent) as listener:
+            run = run_plan(plan, models, folder, resume=resume, listener=listener)
     except KeyboardInterrupt:
         typer.echo(f"\nStopped. Continue with the same command and --resume --out {folder}", err=True)
         raise typer.Exit(EXIT_STOPPED) from None
     typer.echo(format_run(run))
     typer.echo(f"\nThe run is in {folder}; look at it in {write_page(folder)}.")
+
+
+def _progress(plan: Plan, models: Mapping[str, PointCloud]) -> RunProgress:
+    """Say how much there is to do, and go on saying how much is left."""
+    from lpcompare.cli._progress import RunProgress
+
+    estimate = _estimate(plan, models)
+    typer.echo(_size(plan, estimate), err=True)
+    return RunProgress(list(plan.cases()), estimate)
 
 
 def _estimate(plan: Plan, models: Mapping[str, PointCloud]) -> Estimate:

@@ -26,9 +26,7 @@ RUNTIME_MARGIN = 0.05
 SHORTEST_S = 0.005
 """Calls shorter than 5 ms are not judged: what ran before them decides their time."""
 
-LARGEST_FOREIGN_LOAD = 0.1
-"""Other programs that hold more than a tenth of a processor make the machine a busy one."""
-
+_LARGEST_FOREIGN_LOAD = 0.1
 _LONGEST_WAIT = 0.1
 
 
@@ -87,14 +85,14 @@ def compare_runs(first: Run, second: Run) -> list[MethodDifference]:
 
 
 def was_busy(run: Run) -> bool:
-    """Whether other programs held the processors, or the reference work waited more than a tenth of its time.
+    """Whether other programs held a tenth of a processor, or the reference work waited a tenth of its time.
 
     A short call slips through between two waits and a long one does not, and what shares a processor's memory
     slows what needs it: no clock can be believed then.
     """
     loads = [r.foreign_load for r in run.records if r.foreign_load is not None]
     waits = [r.reference_s / r.reference_cpu_s for r in run.records if r.reference_s and r.reference_cpu_s]
-    loaded = bool(loads) and median(loads) > LARGEST_FOREIGN_LOAD
+    loaded = bool(loads) and median(loads) > _LARGEST_FOREIGN_LOAD
     return loaded or (bool(waits) and median(waits) > 1 + _LONGEST_WAIT)
 
 

@@ -1,4 +1,4 @@
-"""What a cloud must be before anything works on it."""
+"""What a cloud must be, and a file must hold, before anything works on it."""
 
 from __future__ import annotations
 
@@ -37,6 +37,12 @@ def checked_points(values: ArrayLike, where: str) -> Points:
     if bad.size:
         raise InputError(_not_finite(bad, len(points), where))
     return points
+
+
+def check_held(what: str, promised: int, held: int) -> None:
+    """Raise a `ValueError` where a file promises more of something than it has."""
+    if promised > held:
+        raise ValueError(f"it promises {promised} {what} and holds {max(held, 0)}")
 
 
 def _not_finite(bad: np.ndarray, n_points: int, where: str) -> str:

@@ -6,6 +6,8 @@ import re
 import struct
 from pathlib import Path
 
+from lpcompare.io.checks import check_held
+
 _CTM = struct.Struct(
     "<12x6I"
 )  # vertices, triangles, texture and attribute maps, flags, length of the comment
@@ -49,11 +51,11 @@ def _check_ctm(content: bytes) -> None:
     if not content.startswith(b"OCTM") or len(content) < _CTM.size:
         raise ValueError(f"it begins with {content[:4]!r}, not with b'OCTM', or ends in its header")
     vertices, triangles, textures, attributes, _, comment = _CTM.unpack_from(content)
-    _check_held("bytes of comment", comment, len(content) - _CTM.size)
-    _check_held("maps", textures + attributes, len(content) // _SMALLEST_MAP)
+    check_held("bytes of comment", comment, len(content) - _CTM.size)
+    check_held("maps", textures + attributes, len(content) // _SMALLEST_MAP)
     room = len(content) * _LARGEST_SHARE
-    _check_held("vertices", vertices, room // _VERTEX_BYTES)
-    _check_held("triangles", triangles, room // _TRIANGLE_BYTES)
+    check_held("vertices", vertices, room // _VERTEX_BYTES)
+    check_held("triangles", triangles, room // _TRIANGLE_BYTES)
 
 
 def _check_tri(content: bytes) -> None:
@@ -63,8 +65,8 @@ def _check_tri(content: bytes) -> None:
     if min(vertices, triangles) < 0:
         raise ValueError(f"it promises {vertices} vertices and {triangles} triangles")
     room = len(content) - _TRI_HEADER
-    _check_held("vertices", vertices, room // _VERTEX_BYTES)
-    _check_held("triangles", triangles, room // _TRIANGLE_BYTES - vertices)
+    check_held("vertices", vertices, room // _VERTEX_BYTES)
+    check_held("triangles", triangles, room // _TRIANGLE_BYTES - vertices)
 
 
 def _check_expe(content: bytes) -> None:
@@ -83,12 +85,7 @@ def _check_expe(content: bytes) -> None:
         held = sum(line.count(b";") == len(sizes) - 1 for line in body.splitlines() if line.strip())
         if held > int(counts[0]):
             raise ValueError(f"it has {held} rows for {int(counts[0])} points")
-    _check_held("points", int(counts[0]), held)
-
-
-def _check_held(what: str, promised: int, held: int) -> None:
-    if promised > held:
-        raise ValueError(f"it promises {promised} {what} and holds {held}")
+    check_held("points", int(counts[0]), held)
 
 
 _CHECKS = {

@@ -11,7 +11,7 @@ from laspy.header import Version
 from laspy.vlrs.vlrlist import VLRList
 from numpy.typing import NDArray
 
-from lpcompare.io.checks import checked_points
+from lpcompare.io.checks import check_held, checked_points
 from lpcompare.io.las_header import check_header, largest_chunk
 from lpcompare.types import Indices, PointCloud
 
@@ -95,8 +95,7 @@ def _open(path: Path) -> laspy.LasData:
         if reader.header.are_points_compressed and largest_chunk(path, reader.header) > promised:
             reader.laz_backend = laspy.LazBackend.Lazrs  # the parallel one takes memory for a full chunk
         file = reader.read()
-    if len(file.points) < promised:
-        raise ValueError(f"it promises {promised} points and holds {len(file.points)}")
+    check_held("points", promised, len(file.points))
     return file
 
 

@@ -13,6 +13,8 @@ import laspy
 import numpy as np
 from lazrs.lazrs import LazVlr, read_chunk_table
 
+from lpcompare.io.checks import check_held
+
 _FIRST = struct.Struct("<24xBB68xHIIBHI")  # version, sizes and counts, the same in every version
 _EXTENDED = struct.Struct("<235xQIQ")  # the additions of version 1.4
 _SMALLEST = 227
@@ -69,10 +71,10 @@ def largest_chunk(path: Path, header: laspy.LasHeader) -> int:
         _check_room("chunks", int.from_bytes(file.read(4), "little"), header.point_format.size, size - start)
         file.seek(start)
         chunks = read_chunk_table(file, LazVlr(how))
-        _check_held("bytes of points", sum(n_bytes for _, n_bytes in chunks), table - start)
+        check_held("bytes of points", sum(n_bytes for _, n_bytes in chunks), table - start)
         if how[:2] == _LAYERED:
             _check_layers(file, how, start + 8, [n_bytes for _, n_bytes in chunks if n_bytes])
-    _check_held("points", header.point_count, sum(n_points for n_points, _ in chunks))
+    check_held("points", header.point_count, sum(n_points for n_points, _ in chunks))
     return max((n_points for n_points, _ in chunks), default=0)
 
 
@@ -97,7 +99,7 @@ def _check_layers(file: BinaryIO, how: bytes, start: int, chunks: list[int]) -> 
     for n_bytes in chunks:
         file.seek(start + before)
         lengths = np.frombuffer(file.read(4 * n_layers), "<u4")
-        _check_held("bytes of layers", int(lengths.sum()), n_bytes - before - 4 * n_layers)
+        check_held("bytes of layers", int(lengths.sum()), n_bytes - before - 4 * n_layers)
         start += n_bytes
 
 
@@ -113,9 +115,4 @@ def _check_extended(file: BinaryIO, start: int, count: int, size: int) -> None:
 
 
 def _check_room(what: str, promised: int, length: int, room: int) -> None:
-    _check_held(what, promised, room // length if length else 0)
-
-
-def _check_held(what: str, promised: int, held: int) -> None:
-    if promised > held:
-        raise ValueError(f"it promises {promised} {what} and holds {max(held, 0)}")
+    check_held(what, promised, room // length if length else 0)

@@ -25,6 +25,8 @@ from lpcompare.types import Indices, Mask, Vector
 
 _TURNS = 12
 _TOGETHER = 64
+"""Clusters in one problem: cvxpy numbers the places of the matrix, rows times columns."""
+
 _LIMITS = {
     "HIGHS": lambda s: {"time_limit": s.time_limit, "mip_rel_gap": s.gap},
     "SCIPY": lambda s: {"scipy_options": {"time_limit": s.time_limit, "mip_rel_gap": s.gap}},

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
@@ -11,6 +10,7 @@ from typing import Any
 
 from lpcompare.geometry.threads import thread_count
 from lpcompare.harness.environment import capture
+from lpcompare.harness.writing import replace_text
 from lpcompare.reproduction.charts import draw_errors, draw_seconds
 from lpcompare.reproduction.experiments import EXPERIMENTS
 from lpcompare.reproduction.lab import Lab
@@ -67,9 +67,9 @@ def reproduce(
             _tell(progress, experiment.title, done, len(cases))
     _draw(lab, folder, tables, progress)
     made = _how(command, left_out)
-    _write(folder / "made.json", json.dumps(made, indent=1) + "\n")
+    replace_text(folder / "made.json", json.dumps(made, indent=1) + "\n")
     page = folder / "README.md"
-    _write(page, render({name: table.rows for name, table in tables.items()}, made))
+    replace_text(page, render({name: table.rows for name, table in tables.items()}, made))
     return page
 
 
@@ -113,9 +113,3 @@ def _how(command: str, left_out: tuple[str, ...]) -> dict[str, Any]:
         "left_out": list(left_out),
         "titles": {e.name: e.title for e in EXPERIMENTS},
     }
-
-
-def _write(path: Path, text: str) -> None:
-    beside = path.with_name(path.name + ".partial")
-    beside.write_text(text, encoding="utf-8")
-    os.replace(beside, path)

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from lpcompare.errors import InputError
+from lpcompare.harness.writing import replace_text
 
 Row = Mapping[str, Any]
 
@@ -56,17 +57,11 @@ class Table:
         found = self.path.read_text(encoding="utf-8")
         whole = found[: found.rfind("\n") + 1]
         if whole != found:
-            self._rewrite(whole)
+            replace_text(self.path, whole)  # without a last line that was cut off in the middle
         rows = list(csv.DictReader(whole.splitlines()))
         if rows and not set(self.keys) <= rows[0].keys():
             raise InputError(f"{self.path} is not a table of this command; name another folder with --out.")
         return rows
-
-    def _rewrite(self, whole: str) -> None:
-        """Drop a last line that was cut off in the middle."""
-        beside = self.path.with_suffix(".partial")
-        beside.write_text(whole, encoding="utf-8")
-        os.replace(beside, self.path)
 
 
 def text(value: object) -> str:

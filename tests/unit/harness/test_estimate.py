@@ -45,7 +45,7 @@ def test_the_first_guess_is_as_long_as_the_machine_is_slow_and_a_cloud_is_large(
 def test_what_is_left_scales_by_what_the_finished_cases_took_over_what_was_expected(clock):
     cases = list(PLAN.cases())
     estimate = Estimate(SIZES, 1, 0.3)
-    with RunProgress(cases, estimate, shown=False) as progress:
+    with RunProgress(cases, estimate) as progress:
         for case in cases[:4]:
             progress(case, None)
             clock(guess([case]) * {"quick": 2, "slow": 10}[case.variant.method])
@@ -60,7 +60,7 @@ def test_what_is_left_scales_by_what_the_finished_cases_took_over_what_was_expec
 def test_cases_taken_over_from_an_earlier_start_teach_nothing(clock):
     cases = list(PLAN.cases())
     estimate = Estimate(SIZES, 1, 0.3)
-    with RunProgress(cases, estimate, shown=False) as progress:
+    with RunProgress(cases, estimate) as progress:
         progress(cases[0], None)
         clock(0.001)
         progress(cases[0], record_of(cases[0]), reused=True)
