@@ -16,14 +16,14 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from PIL import Image
 
-from lpcompare.harness.clouds import load_arrays
-from lpcompare.harness.record import load_run
+from lpcompare.benchmark.record import load_run
+from lpcompare.io.clouds import load_arrays
 from lpcompare.report.cells import gather_cells
+from lpcompare.report.clouds3d import input_files
 from lpcompare.report.columns import ERROR
 from lpcompare.report.page import write_page
 from lpcompare.report.pictures import error_scale, percent_errors
 from lpcompare.report.projections import draw_cloud
-from lpcompare.report.views import input_files
 from lpcompare.report.wording import number
 
 METHODS = ("lp_printed", "poisson_disk", "lp_uniform")

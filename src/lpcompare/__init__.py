@@ -9,16 +9,16 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from lpcompare.lp.simplifier import LPSimplifier, simplify
+    from lpcompare.paper.simplifier import LPSimplifier, simplify
     from lpcompare.types import PointCloud, Simplification
 
 __all__ = ["LPSimplifier", "PointCloud", "Simplification", "simplify"]
 
 _HOMES = {
-    "LPSimplifier": "lpcompare.lp.simplifier",
+    "LPSimplifier": "lpcompare.paper.simplifier",
     "PointCloud": "lpcompare.types",
     "Simplification": "lpcompare.types",
-    "simplify": "lpcompare.lp.simplifier",
+    "simplify": "lpcompare.paper.simplifier",
 }
 
 

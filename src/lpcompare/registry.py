@@ -22,6 +22,7 @@ from lpcompare.errors import InputError, Unavailable, UnknownName
 from lpcompare.types import Traits
 
 _RESERVED = frozenset({"rng", "cloud"})
+_NO_PLUGINS = frozenset({"comparison"})
 
 
 class Registry:
@@ -141,7 +142,8 @@ class Registry:
 def _files(package: str) -> list[Path]:
     spec = find_spec(package)
     folders = spec.submodule_search_locations if spec else None
-    return [p for f in folders or () for p in Path(f).glob("*.py") if not p.stem.startswith("_")]
+    files = (p for f in folders or () for p in Path(f).glob("*.py"))
+    return [p for p in files if not p.stem.startswith("_") and p.stem not in _NO_PLUGINS]
 
 
 METHODS = Registry("method", ("lpcompare.methods", "lpcompare_baselines"), "lpcompare.methods")

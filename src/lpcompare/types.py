@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Protocol, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -78,19 +78,6 @@ class Simplification:
         return len(self.points)
 
 
-class SimplifyFunction(Protocol):
-    """A method: a function of the points, the count to keep, a generator and its own settings.
-
-    A method that knows more than points declares a keyword ``cloud`` and is given the `PointCloud`.
-    """
-
-    def __call__(
-        self, points: Points, target_count: int, *, rng: np.random.Generator, **settings: Any
-    ) -> Simplification:
-        """Keep ``target_count`` of the points."""
-        ...
-
-
 @dataclass(frozen=True)
 class Traits:
     """What a method needs, loses and promises; every method file states its own as ``TRAITS``.
@@ -105,16 +92,22 @@ class Traits:
         The paper or manual that defines the method.
     licence : str
         Licence of the wrapped library.
-    needs_mesh, needs_normals : bool
-        What the input must have beside points.
+    family : str
+        Group for tables and pages: "ours", "mesh", "voxel", "random", "spacing", "curvature", "clustering",
+        "surface", "graph" or "" where none fits.
+    needs_mesh : bool
+        The method works on the triangles, not on the points alone.
     moves_points : bool
         The result is not a subset of the input.
     keeps_attributes : bool
         Attributes can follow the points: by index, or because the method carries them.
-    seeded : bool
-        The same seed gives the same points (in a fresh process, if the library keeps its own generator).
     exact_count : bool
         The result has exactly the number of points asked for.
+    progressive : bool
+        The method adds its points one by one: every prefix of its order is a thinning. It says the order as
+        ``info["order"]``, the rank of each kept point, shape (m,).
+    reading : bool
+        The original could not be read; the file implements what other sources say of it.
     requires : tuple of str
         Importable modules that must be present.
     extra : str
@@ -124,12 +117,13 @@ class Traits:
     wraps: str = "lpcompare"
     source: str = ""
     licence: str = "GPL-3.0-or-later"
+    family: str = ""
     needs_mesh: bool = False
-    needs_normals: bool = False
     moves_points: bool = False
     keeps_attributes: bool = True
-    seeded: bool = True
     exact_count: bool = True
+    progressive: bool = False
+    reading: bool = False
     requires: tuple[str, ...] = ()
     extra: str = ""
 
@@ -149,13 +143,13 @@ class Column:
         "% of diagonal", "model units", "degrees", "share" or "".
     better : str
         "lower" or "higher".
-    sides : str
-        "original to reduced", "reduced to original", "both", or "reduced" for one cloud alone.
     title : str
         One line for tables and legends.
+    alias : str
+        Where the value follows from another column: that column's name. Ranks and ratios do not count it.
     """
 
     unit: str
     title: str
     better: str = "lower"
-    sides: str = "original to reduced"
+    alias: str = ""

@@ -16,11 +16,11 @@ from sklearn.mixture import GaussianMixture
 
 import lpcompare
 from lpcompare.geometry.scale import normalize
-from lpcompare.lp.clustering import cluster_points
-from lpcompare.lp.curvature import estimate_curvature
-from lpcompare.lp.features import feature_mask
-from lpcompare.lp.reduction import Reading, plan_clusters, reduce_clusters
-from lpcompare.lp.selection import SolverSettings
+from lpcompare.paper.clustering import cluster_points
+from lpcompare.paper.curvature import estimate_curvature
+from lpcompare.paper.features import feature_mask
+from lpcompare.paper.program import SolverSettings
+from lpcompare.paper.reduction import Reading, plan_clusters, reduce_clusters
 
 N_CLUSTERS, REDUCTION = 20, 0.9
 COLD_TIME_LIMIT = 30.0

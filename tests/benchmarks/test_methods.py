@@ -8,8 +8,8 @@ import inspect
 import numpy as np
 import pytest
 
-from lpcompare.comparison import Comparison
 from lpcompare.errors import NotApplicable
+from lpcompare.metrics.comparison import Comparison
 from lpcompare.registry import METHODS
 
 SHARE_KEPT = 0.1

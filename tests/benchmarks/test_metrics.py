@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from lpcompare.comparison import Comparison
+from lpcompare.metrics.comparison import Comparison
 from lpcompare.registry import METRICS
 
 

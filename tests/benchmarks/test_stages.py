@@ -6,22 +6,22 @@ Stages that end with kept points carry the eq. 27 error of these in ``extra_info
 import numpy as np
 import pytest
 
-from lpcompare.comparison import Comparison
 from lpcompare.geometry.scale import normalize
-from lpcompare.lp.clustering import cluster_points
-from lpcompare.lp.curvature import estimate_curvature
-from lpcompare.lp.features import feature_mask
-from lpcompare.lp.placement import place_points
-from lpcompare.lp.quadrics import estimate_surface
-from lpcompare.lp.reduction import Reading, plan_clusters, reduce_clusters
-from lpcompare.lp.selection import SolverSettings
-from lpcompare.lp.uniform import Stop
-from lpcompare.lp.uniform_reduction import (
+from lpcompare.metrics.comparison import Comparison
+from lpcompare.paper.clustering import cluster_points
+from lpcompare.paper.curvature import estimate_curvature
+from lpcompare.paper.features import feature_mask
+from lpcompare.paper.program import SolverSettings
+from lpcompare.paper.reduction import Reading, plan_clusters, reduce_clusters
+from lpcompare.uniform.clusters import (
     cluster_densities,
     refine_in_density,
     solve_programmes,
     spread_points,
 )
+from lpcompare.uniform.placement import place_points
+from lpcompare.uniform.program import Stop
+from lpcompare.uniform.quadrics import estimate_surface
 
 N_CLUSTERS, SHARE_KEPT, N_ROUNDS, TOLERANCE = 20, 0.1, 12, 0.01
 

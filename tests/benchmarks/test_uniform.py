@@ -13,11 +13,11 @@ import numpy as np
 import pytest
 
 import lpcompare
+from lpcompare.geometry.fits import mean_plane_distances
 from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.geometry.planes import plane_distances
-from lpcompare.lp.uniform import Stop, _Model, build_programme, select_one_per_cell
-from lpcompare.refinement.neighborhoods import SIZES, Neighborhoods
-from lpcompare.refinement.planes import mean_plane_distances
+from lpcompare.uniform.neighborhoods import SIZES, Neighborhoods
+from lpcompare.uniform.program import Stop, _Model, build_programme, select_one_per_cell
 
 N_POINTS, N_KEPT = 36_000, 7_200
 

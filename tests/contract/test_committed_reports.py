@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from lpcompare.harness.record import load_run
+from lpcompare.benchmark.record import load_run
 from lpcompare.report.method_table import method_page
-from lpcompare.report.study_page import write_study_page
-from lpcompare.report.table import format_run
+from lpcompare.report.page_markdown import write_study_page
+from lpcompare.report.tables import format_run
 
 ROOT = Path(__file__).resolve().parents[2]
 REPORTS = ROOT / "reports"

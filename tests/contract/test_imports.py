@@ -10,21 +10,27 @@ CORE = {"types", "errors"}
 ALLOWED = {
     "types": set(),
     "errors": set(),
-    "geometry": CORE,
+    "threads": CORE,
+    "progress": CORE,
+    "files": CORE,
+    "checks": CORE | {"paper"},
+    "geometry": CORE | {"threads"},
     "mesh_library": CORE,
-    "io": CORE | {"mesh_library"},
-    "lp": CORE | {"geometry", "refinement"},
-    "refinement": CORE | {"geometry"},
-    "methods": CORE | {"geometry", "lp", "refinement"},
+    "io": CORE | {"mesh_library", "files"},
+    "max_error": CORE | {"geometry", "checks"},
+    "paper": CORE | {"geometry", "threads", "checks", "progress", "max_error", "uniform"},
+    "uniform": CORE | {"geometry", "threads", "checks", "progress", "paper"},
+    "methods": CORE | {"geometry", "paper", "uniform"},
     "baselines": CORE | {"mesh_library", "geometry"},
-    "comparison": CORE | {"geometry"},
-    "metrics": CORE | {"mesh_library", "geometry", "comparison"},
+    "metrics": CORE | {"mesh_library", "geometry"},
     "models": CORE | {"mesh_library", "geometry", "io"},
     "registry": CORE,
-    "harness": CORE | {"geometry", "io", "registry", "models", "comparison", "refinement"},
-    "report": CORE | {"mesh_library", "geometry", "comparison", "registry", "harness"},
-    "reproduction": CORE | {"geometry", "lp", "comparison", "registry", "models", "harness", "report"},
-    "meshlab": CORE | {"mesh_library", "io", "geometry", "lp", "comparison"},
+    "benchmark": CORE
+    | {"geometry", "threads", "files", "io", "registry", "models", "metrics", "uniform", "report"},
+    "report": CORE | {"mesh_library", "files", "geometry", "io", "metrics", "registry", "benchmark"},
+    "reproduction": CORE
+    | {"geometry", "threads", "files", "paper", "metrics", "registry", "models", "benchmark", "report"},
+    "meshlab": CORE | {"mesh_library", "io", "geometry", "paper", "uniform", "metrics"},
 }
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lpcompare.harness.record import load_run
+from lpcompare.benchmark.record import load_run
 
 NAUGHTY = {
     "hangs": ("timeout", "Killed in the warm-up after 10 s, the time limit."),

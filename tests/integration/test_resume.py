@@ -13,7 +13,7 @@ import time
 import numpy as np
 import pytest
 
-from lpcompare.harness.record import load_run
+from lpcompare.benchmark.record import load_run
 
 STUDY = """
 reductions = [0.8]

@@ -8,7 +8,7 @@ import sys
 import numpy as np
 import pytest
 
-from lpcompare.harness.record import load_run
+from lpcompare.benchmark.record import load_run
 
 QUICK = ["--method", "random_sample", "--method", "well_behaved", "--reduction", "0.8"]
 

@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lpcompare.comparison import Comparison
-from lpcompare.harness.clouds import save_arrays
-from lpcompare.harness.inputs import file_name
-from lpcompare.harness.record import SCHEMA_VERSION, Record
+from lpcompare.benchmark.inputs import file_name
+from lpcompare.benchmark.record import SCHEMA_VERSION, Record
+from lpcompare.io.clouds import save_arrays
+from lpcompare.metrics.comparison import Comparison
 from lpcompare.metrics.hausdorff import hausdorff
 from lpcompare.metrics.plane_error import plane_error
 

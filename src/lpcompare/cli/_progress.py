@@ -6,15 +6,15 @@ import sys
 from time import monotonic
 from typing import TYPE_CHECKING
 
-from lpcompare.harness.estimate import Estimate, duration
+from lpcompare.benchmark.estimate import Estimate, duration
 
 if TYPE_CHECKING:
-    from lpcompare.harness.plan import Case
-    from lpcompare.harness.record import Record
+    from lpcompare.benchmark.plan import Case
+    from lpcompare.benchmark.record import Record
 
 
 class RunProgress:
-    """A listener of `lpcompare.harness.runner.run_plan`, and a context that shows a bar on a terminal.
+    """A listener of `lpcompare.benchmark.runner.run_plan`, and a context that shows a bar on a terminal.
 
     Parameters
     ----------

@@ -14,7 +14,7 @@ def command(
     ],
 ) -> None:
     """Compare runs of the same inputs; of one run, its methods."""
-    from lpcompare.harness.record import load_run
+    from lpcompare.benchmark.record import load_run
     from lpcompare.report.comparison_table import format_comparison, format_methods
 
     first, *others = [load_run(path) for path in runs]

@@ -29,7 +29,7 @@ def command(
     meshlab: Annotated[bool, typer.Option("--meshlab", help="A MeshLab project, quality = error.")] = False,
 ) -> None:
     """Draw a finished run again, from its folder; nothing is computed anew."""
-    from lpcompare.harness.record import load_run
+    from lpcompare.benchmark.record import load_run
     from lpcompare.report.page import write_page
 
     loaded = load_run(run)
@@ -47,7 +47,7 @@ def command(
 
         written.append(write_markdown(loaded, loaded.folder / "tables.md"))
     if page:
-        from lpcompare.report.study_page import write_study_page
+        from lpcompare.report.page_markdown import write_study_page
 
         written.append(write_study_page(loaded, loaded.folder / "README.md", reference))
     if csv:

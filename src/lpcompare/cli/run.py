@@ -12,9 +12,9 @@ import typer
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from lpcompare.benchmark.estimate import Estimate
+    from lpcompare.benchmark.plan import Plan
     from lpcompare.cli._progress import RunProgress
-    from lpcompare.harness.estimate import Estimate
-    from lpcompare.harness.plan import Plan
     from lpcompare.types import PointCloud
 
 EXIT_STOPPED = 130
@@ -70,8 +70,8 @@ def command(
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress.")] = False,
 ) -> None:
     """Run methods side by side and print their errors and runtimes."""
+    from lpcompare.benchmark.inputs import load_models
     from lpcompare.errors import InputError
-    from lpcompare.harness.inputs import load_models
 
     if resume and out is None:
         raise InputError("--resume continues a run; say which one with --out.")
@@ -99,10 +99,10 @@ def command(
 
 def _plan(study: str, flags: dict[str, Any], assignments: list[str], machine: dict[str, int | None]) -> Plan:
     """The plan: flags go before the study, the study before the defaults."""
+    from lpcompare.benchmark.plan import default_methods
+    from lpcompare.benchmark.settings import parse_assignments
+    from lpcompare.benchmark.study import build_plan, read_study
     from lpcompare.errors import InputError
-    from lpcompare.harness.plan import default_methods
-    from lpcompare.harness.settings import parse_assignments
-    from lpcompare.harness.study import build_plan, read_study
 
     fields = read_study(study) if study else {}
     settings = fields.pop("settings", {})
@@ -120,10 +120,10 @@ def _plan(study: str, flags: dict[str, Any], assignments: list[str], machine: di
 
 
 def _run(plan: Plan, models: Mapping[str, PointCloud], folder: Path, *, resume: bool, quiet: bool) -> None:
+    from lpcompare.benchmark.runner import run_plan, silent
     from lpcompare.cli._progress import shows_progress
-    from lpcompare.harness.runner import run_plan, silent
     from lpcompare.report.page import write_page
-    from lpcompare.report.table import format_run
+    from lpcompare.report.tables import format_run
 
     try:
         with _progress(plan, models) if shows_progress(quiet) else nullcontext(silent) as listener:
@@ -145,21 +145,21 @@ def _progress(plan: Plan, models: Mapping[str, PointCloud]) -> RunProgress:
 
 
 def _estimate(plan: Plan, models: Mapping[str, PointCloud]) -> Estimate:
-    from lpcompare.harness.child import start_seconds
-    from lpcompare.harness.estimate import Estimate
+    from lpcompare.benchmark.case import start_seconds
+    from lpcompare.benchmark.estimate import Estimate
 
     return Estimate({name: len(cloud) for name, cloud in models.items()}, plan.jobs, start_seconds())
 
 
 def _size(plan: Plan, estimate: Estimate) -> str:
-    from lpcompare.harness.estimate import duration
+    from lpcompare.benchmark.estimate import duration
 
     return f"{_count(len(plan), 'case')}, about {duration(estimate.remaining_s(plan.cases()))}"
 
 
 def _description(plan: Plan, models: Mapping[str, PointCloud]) -> str:
     """The plan in words, for --dry-run."""
-    from lpcompare.harness.plan import target_count
+    from lpcompare.benchmark.plan import target_count
     from lpcompare.registry import METHODS
 
     lines = [_size(plan, _estimate(plan, models)), "", "models:"]

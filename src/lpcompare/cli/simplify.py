@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
-    from lpcompare.harness.plan import Variant
-    from lpcompare.harness.record import Record
+    from lpcompare.benchmark.plan import Variant
+    from lpcompare.benchmark.record import Record
     from lpcompare.types import Indices, PointCloud, Points
 
 STANDARD_OUTPUT = "-"
@@ -57,9 +57,9 @@ def command(
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress and no report.")] = False,
 ) -> None:
     """Thin point clouds, keeping every attribute of their formats."""
+    from lpcompare.benchmark.plan import Variant, check_names
+    from lpcompare.benchmark.settings import parse_assignments
     from lpcompare.errors import InputError, LpcompareError
-    from lpcompare.harness.plan import Variant, check_names
-    from lpcompare.harness.settings import parse_assignments
 
     if (reduction is None) == (count is None):
         raise InputError(
@@ -102,12 +102,12 @@ def _simplify_file(source: Path, target: Path | str, order: _Order) -> str:
 
 def _reduce(cloud: PointCloud, order: _Order) -> tuple[Record, Points, Indices | None]:
     """Run one case of the harness: in a child process, timed, checked and judged."""
+    from lpcompare.benchmark.environment import physical_memory_mib
+    from lpcompare.benchmark.plan import Plan
+    from lpcompare.benchmark.runner import run_plan
     from lpcompare.errors import InputError, LpcompareError
-    from lpcompare.geometry.threads import thread_count
-    from lpcompare.harness.clouds import load_arrays
-    from lpcompare.harness.environment import physical_memory_mib
-    from lpcompare.harness.plan import Plan
-    from lpcompare.harness.runner import run_plan
+    from lpcompare.io.clouds import load_arrays
+    from lpcompare.threads import thread_count
     from lpcompare.types import PointCloud
 
     n_points = len(cloud)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
-from lpcompare.geometry.threads import thread_count
+from lpcompare.threads import thread_count
 from lpcompare.types import Indices, Points
 
 

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from lpcompare.geometry.scale import normalize
-from lpcompare.lp.clustering import cluster_points
-from lpcompare.lp.curvature import estimate_curvature
 from lpcompare.meshlab.layers import coordinates, fill_scalar, used_rows
 from lpcompare.meshlab.parameters import Parameter
+from lpcompare.paper.clustering import cluster_points
+from lpcompare.paper.curvature import estimate_curvature
 
 _SELECTED = Parameter("selected", bool, False, "Work on the selected vertices only.")
 

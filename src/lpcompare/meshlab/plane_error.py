@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from lpcompare.comparison import Comparison
 from lpcompare.geometry.scale import bounding_box_diagonal
 from lpcompare.meshlab.layers import coordinates, fill_scalar
 from lpcompare.meshlab.parameters import Parameter
+from lpcompare.metrics.comparison import Comparison
 from lpcompare.types import Vector
 
 _NEIGHBORS = Parameter("neighbornum", int, 8, "Points that carry each plane.", low=1)

@@ -8,12 +8,12 @@ from typing import Any
 
 from lpcompare.errors import InputError
 from lpcompare.geometry.scale import bounding_box_diagonal
-from lpcompare.lp.simplifier import LPSimplifier, simplify
-from lpcompare.lp.uniform_simplifier import UniformReducer
 from lpcompare.mesh_library import pymeshlab
 from lpcompare.meshlab.layers import add_subset, coordinates, used_rows
 from lpcompare.meshlab.parameters import Parameter
+from lpcompare.paper.simplifier import LPSimplifier, simplify
 from lpcompare.types import Points
+from lpcompare.uniform.simplifier import UniformReducer
 
 _FORMULATIONS = {"Density preserving": "lp_density", "As printed": "lp_printed"}
 _RETENTIONS = {"Exact count": "exact-count", "Keep features": "keep-features"}

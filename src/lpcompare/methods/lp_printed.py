@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from lpcompare.lp.cluster_count import ClusterCountSetting
-from lpcompare.lp.simplifier import LPSimplifier
+from lpcompare.paper.cluster_count import ClusterCountSetting
+from lpcompare.paper.simplifier import LPSimplifier
 from lpcompare.types import Points, Simplification, Traits
 
 TRAITS = Traits(

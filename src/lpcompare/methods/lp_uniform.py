@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from lpcompare.lp.cluster_count import ClusterCountSetting
-from lpcompare.lp.uniform_simplifier import simplify_uniformly
+from lpcompare.paper.cluster_count import ClusterCountSetting
 from lpcompare.types import Points, Simplification, Traits
+from lpcompare.uniform.simplifier import simplify_uniformly
 
 TRAITS = Traits(
     wraps="lpcompare (cvxpy, HiGHS)",

@@ -9,16 +9,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from lpcompare.comparison import Comparison
+from lpcompare.metrics.comparison import Comparison
 from lpcompare.types import Column
 
 COLUMNS = {
-    "chamfer_pct": Column(
-        "% of diagonal", "Chamfer distance, unsquared: both mean distances added", sides="both"
-    ),
-    "chamfer_squared": Column(
-        "square model units", "Chamfer distance: both mean squares added", sides="both"
-    ),
+    "chamfer_pct": Column("% of diagonal", "Chamfer distance, unsquared: both mean distances added"),
+    "chamfer_squared": Column("square model units", "Chamfer distance: both mean squares added"),
 }
 
 

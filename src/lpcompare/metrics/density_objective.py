@@ -14,17 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.cluster.vq import kmeans2
 
-from lpcompare.comparison import Comparison
 from lpcompare.geometry.neighbors import Neighbors
+from lpcompare.metrics.comparison import Comparison
 from lpcompare.types import Column, Points, Vector
 
 COLUMNS = {
-    "density_objective_pct": Column(
-        "% of density", "Density objective Z (eq. 14), mean over 20 clusters", sides="both"
-    ),
-    "density_objective_max_pct": Column(
-        "% of density", "Density objective Z (eq. 14), worst cluster", sides="both"
-    ),
+    "density_objective_pct": Column("% of density", "Density objective Z (eq. 14), mean over 20 clusters"),
+    "density_objective_max_pct": Column("% of density", "Density objective Z (eq. 14), worst cluster"),
 }
 
 _N_CLUSTERS = 20

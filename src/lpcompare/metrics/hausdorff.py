@@ -6,15 +6,13 @@ points rather than surfaces. For a subset the way back is zero.
 
 from __future__ import annotations
 
-from lpcompare.comparison import Comparison
+from lpcompare.metrics.comparison import Comparison
 from lpcompare.types import Column
 
 COLUMNS = {
-    "hausdorff_pct": Column("% of diagonal", "Hausdorff distance, the larger of both ways", sides="both"),
+    "hausdorff_pct": Column("% of diagonal", "Hausdorff distance, the larger of both ways"),
     "hausdorff_forward_pct": Column("% of diagonal", "Largest distance of an original to the reduced cloud"),
-    "hausdorff_backward_pct": Column(
-        "% of diagonal", "Largest distance of a reduced point to the original", sides="reduced to original"
-    ),
+    "hausdorff_backward_pct": Column("% of diagonal", "Largest distance of a reduced point to the original"),
 }
 
 

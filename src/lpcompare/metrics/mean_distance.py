@@ -6,15 +6,13 @@ points rather than surfaces. For a subset the way back is zero.
 
 from __future__ import annotations
 
-from lpcompare.comparison import Comparison
+from lpcompare.metrics.comparison import Comparison
 from lpcompare.types import Column
 
 COLUMNS = {
-    "mean_distance_pct": Column("% of diagonal", "Mean distance, the larger of both ways", sides="both"),
+    "mean_distance_pct": Column("% of diagonal", "Mean distance, the larger of both ways"),
     "mean_distance_forward_pct": Column("% of diagonal", "Mean distance of an original to the reduced cloud"),
-    "mean_distance_backward_pct": Column(
-        "% of diagonal", "Mean distance of a reduced point to the original", sides="reduced to original"
-    ),
+    "mean_distance_backward_pct": Column("% of diagonal", "Mean distance of a reduced point to the original"),
 }
 
 

@@ -12,12 +12,12 @@ from math import inf, log10, nan
 
 import numpy as np
 
-from lpcompare.comparison import Comparison
+from lpcompare.metrics.comparison import Comparison
 from lpcompare.types import Column
 
 COLUMNS = {
-    "d1_mse": Column("square model units", "D1: mean square point-to-point distance", sides="both"),
-    "d1_psnr_db": Column("dB", "D1 PSNR, the diagonal as the peak", better="higher", sides="both"),
+    "d1_mse": Column("square model units", "D1: mean square point-to-point distance"),
+    "d1_psnr_db": Column("dB", "D1 PSNR, the diagonal as the peak", better="higher"),
 }
 
 

@@ -15,12 +15,12 @@ from math import inf, log10, nan
 import numpy as np
 from numpy.typing import NDArray
 
-from lpcompare.comparison import Comparison
+from lpcompare.metrics.comparison import Comparison
 from lpcompare.types import Column, Points
 
 COLUMNS = {
-    "d2_mse": Column("square model units", "D2: mean square point-to-plane distance", sides="both"),
-    "d2_psnr_db": Column("dB", "D2 PSNR, the diagonal as the peak", better="higher", sides="both"),
+    "d2_mse": Column("square model units", "D2: mean square point-to-plane distance"),
+    "d2_psnr_db": Column("dB", "D2 PSNR, the diagonal as the peak", better="higher"),
 }
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from lpcompare.comparison import Comparison
+from lpcompare.metrics.comparison import Comparison
 from lpcompare.types import Column
 
 COLUMNS = {

@@ -6,7 +6,7 @@ Leal, Leal and Sanchez-Torres (2017), "Error measurement". The paper leaves the 
 
 from __future__ import annotations
 
-from lpcompare.comparison import Comparison
+from lpcompare.metrics.comparison import Comparison
 from lpcompare.types import Column
 
 COLUMNS = {

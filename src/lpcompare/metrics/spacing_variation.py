@@ -6,12 +6,10 @@ random in the plane (Clark and Evans, Ecology 35(4), 1954). An adaptive method i
 
 from __future__ import annotations
 
-from lpcompare.comparison import Comparison
+from lpcompare.metrics.comparison import Comparison
 from lpcompare.types import Column
 
-COLUMNS = {
-    "spacing_variation": Column("", "Deviation of the spacing of kept points, over its mean", sides="reduced")
-}
+COLUMNS = {"spacing_variation": Column("", "Deviation of the spacing of kept points, over its mean")}
 
 
 def spacing_variation(comparison: Comparison) -> dict[str, float]:

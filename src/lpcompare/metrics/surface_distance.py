@@ -11,8 +11,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from lpcompare.comparison import Comparison
 from lpcompare.mesh_library import pymeshlab
+from lpcompare.metrics.comparison import Comparison
 from lpcompare.types import Column, Points, Vector
 
 COST = "slow"

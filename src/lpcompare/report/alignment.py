@@ -5,7 +5,7 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Iterable, Sequence
 
-from lpcompare.harness.record import Record
+from lpcompare.benchmark.record import Record
 
 WIDTH = 100
 

@@ -28,8 +28,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from lpcompare.harness.record import Run
-from lpcompare.harness.writing import replace_text
+from lpcompare.benchmark.record import Run
+from lpcompare.files import replace_text
 from lpcompare.report.cells import Cell, gather_cells
 from lpcompare.report.columns import headings
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from statistics import median
 from typing import Any
 
-from lpcompare.harness.record import STATUSES, Record
+from lpcompare.benchmark.record import STATUSES, Record
 from lpcompare.report.columns import MEASURED
 
 

@@ -9,7 +9,7 @@ from typing import Any
 from lpcompare.report.cells import Cell, distinct, pareto_front
 from lpcompare.report.columns import ERROR, RUNTIME, Heading, metric_keys
 from lpcompare.report.styles import method_styles, stage_styles
-from lpcompare.report.table import BASELINE
+from lpcompare.report.tables import BASELINE
 
 
 def collect_charts(cells: Sequence[Cell], known: Mapping[str, Heading], reference: str) -> dict[str, Any]:

@@ -5,21 +5,21 @@ from __future__ import annotations
 import math
 import textwrap
 
+from lpcompare.benchmark.record import Run
 from lpcompare.errors import InputError
-from lpcompare.harness.compare import (
+from lpcompare.report.alignment import WIDTH, align, cut
+from lpcompare.report.cells import gather_cells
+from lpcompare.report.columns import headings
+from lpcompare.report.comparison import (
     RUNTIME_MARGIN,
     MethodDifference,
     compare_runs,
     differing_environment,
     was_busy,
 )
-from lpcompare.harness.record import Run
-from lpcompare.harness.statistics import Difference
-from lpcompare.harness.within import BASELINE, compare_methods
-from lpcompare.report.alignment import WIDTH, align, cut
-from lpcompare.report.cells import gather_cells
-from lpcompare.report.columns import headings
 from lpcompare.report.ranks import rank_over_models
+from lpcompare.report.statistics import Difference
+from lpcompare.report.within import BASELINE, compare_methods
 
 _HEAD = ("method", "pairs", "wall ratio", "CPU ratio", "runtime", "eq. 27", "error", "same")
 

@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass
 from statistics import fmean
 from typing import Any
 
-from lpcompare.harness.record import Record
+from lpcompare.benchmark.record import Record
 from lpcompare.report.cells import method_name
 
 Curves = dict[str, dict[float, float]]

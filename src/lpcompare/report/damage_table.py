@@ -7,7 +7,7 @@ import textwrap
 from collections.abc import Iterable
 from statistics import median
 
-from lpcompare.harness.record import Record
+from lpcompare.benchmark.record import Record
 from lpcompare.report.alignment import WIDTH, align, cut, notes
 from lpcompare.report.damage import Curves, gather_damage
 

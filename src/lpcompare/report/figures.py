@@ -8,16 +8,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lpcompare.harness.inputs import file_name
-from lpcompare.harness.record import Run
-from lpcompare.harness.writing import whole_file
+from lpcompare.benchmark.inputs import file_name
+from lpcompare.benchmark.record import Run
+from lpcompare.files import whole_file
 from lpcompare.report.cells import Cell, distinct, gather_cells, pareto_front
 from lpcompare.report.charts import choose_reference, stage_names
+from lpcompare.report.clouds3d import has_cloud, input_files
 from lpcompare.report.columns import ERROR, RUNTIME, headings
 from lpcompare.report.damage import LEVELS, Damage, gather_damage
 from lpcompare.report.pictures import draw_pictures, plain_text
 from lpcompare.report.styles import Style, method_styles, stage_styles
-from lpcompare.report.views import has_cloud, input_files
 from lpcompare.report.wording import percent
 
 if TYPE_CHECKING:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from lpcompare.harness.record import Run
-from lpcompare.harness.writing import replace_text
+from lpcompare.benchmark.record import Run
+from lpcompare.files import replace_text
 from lpcompare.report.cells import gather_cells
 from lpcompare.report.error_table import ErrorTable, caption, error_tables
 

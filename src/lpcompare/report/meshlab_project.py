@@ -13,16 +13,16 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
+from lpcompare.benchmark.inputs import file_name
+from lpcompare.benchmark.record import Run
 from lpcompare.errors import InputError
+from lpcompare.files import replace_text
 from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.geometry.scale import bounding_box_diagonal
-from lpcompare.harness.clouds import load_arrays
-from lpcompare.harness.inputs import file_name
-from lpcompare.harness.record import Run
-from lpcompare.harness.writing import replace_text
+from lpcompare.io.clouds import load_arrays
 from lpcompare.mesh_library import pymeshlab
 from lpcompare.report.cells import Cell, distinct, gather_cells
-from lpcompare.report.views import has_cloud, input_files
+from lpcompare.report.clouds3d import has_cloud, input_files
 from lpcompare.report.wording import percent
 from lpcompare.types import Points, Vector
 

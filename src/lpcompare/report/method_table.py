@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from lpcompare.registry import METHODS, Registry
 from lpcompare.types import Traits
 
-_HEADER = ("method", "what it does", "needs", "result", "count", "attributes", "same seed", "licence")
+_HEADER = ("method", "what it does", "needs", "result", "count", "attributes", "licence")
 
 
 def method_page(methods: Registry = METHODS) -> str:
@@ -51,7 +51,7 @@ def _table(methods: Registry) -> Iterator[str]:
 
 def _flags(traits: Traits) -> tuple[str, ...]:
     """One cell per flag, in the order of the header."""
-    needs = ["mesh"] * traits.needs_mesh + ["normals"] * traits.needs_normals
+    needs = ["mesh"] * traits.needs_mesh
     if traits.extra:
         needs.append(f"`lpcompare[{traits.extra}]`")
     return (
@@ -59,7 +59,6 @@ def _flags(traits: Traits) -> tuple[str, ...]:
         "new points" if traits.moves_points else "subset",
         "exact" if traits.exact_count else "near",
         "kept" if traits.keeps_attributes else "lost",
-        "same points" if traits.seeded else "other points",
         traits.licence,
     )
 

@@ -11,16 +11,16 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
+from lpcompare.benchmark.record import Run, load_run
 from lpcompare.errors import UnknownName
-from lpcompare.harness.record import Run, load_run
-from lpcompare.harness.writing import replace_text
+from lpcompare.files import replace_text
 from lpcompare.report.agreement import agreement_table, rank_table
 from lpcompare.report.cells import Cell, clean_cells, distinct, gather_cells
 from lpcompare.report.charts import choose_reference, collect_charts
+from lpcompare.report.clouds3d import collect_views, one_cloud
 from lpcompare.report.columns import ERROR, RUNTIME, Heading, headings
 from lpcompare.report.damage import collect_damage
-from lpcompare.report.summary import summarize
-from lpcompare.report.views import collect_views, one_cloud
+from lpcompare.report.findings import summarize
 from lpcompare.report.wording import number, percent, quantity, tau
 from lpcompare.types import PointCloud
 

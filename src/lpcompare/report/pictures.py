@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from lpcompare.benchmark.record import Run
 from lpcompare.geometry.scale import bounding_box_diagonal
-from lpcompare.harness.clouds import load_arrays
-from lpcompare.harness.record import Run
+from lpcompare.io.clouds import load_arrays
 from lpcompare.report.cells import Cell
+from lpcompare.report.clouds3d import input_files
 from lpcompare.report.columns import ERROR
 from lpcompare.report.projections import draw_cloud, draw_mesh, triangulate
 from lpcompare.report.shading import up_axis
-from lpcompare.report.views import input_files
 from lpcompare.report.wording import number
 from lpcompare.types import Points, Vector
 

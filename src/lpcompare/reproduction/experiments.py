@@ -12,10 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from lpcompare.comparison import Comparison
-from lpcompare.harness.perturbation import Perturbation, perturb
-from lpcompare.lp.budget import target_from_reduction
-from lpcompare.lp.simplifier import LPSimplifier
+from lpcompare.benchmark.perturbation import Perturbation, perturb
+from lpcompare.metrics.comparison import Comparison
+from lpcompare.paper.budget import target_from_reduction
+from lpcompare.paper.simplifier import LPSimplifier
 from lpcompare.registry import METHODS
 from lpcompare.reproduction.holes import describe_holes
 from lpcompare.reproduction.lab import Lab

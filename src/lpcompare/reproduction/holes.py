@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from lpcompare.comparison import Comparison
+from lpcompare.metrics.comparison import Comparison
 from lpcompare.types import Indices, Points, Vector
 
 _WORST_SHARE = 0.01

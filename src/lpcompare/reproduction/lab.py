@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import lru_cache
 
-from lpcompare.lp.simplifier import LPSimplifier
+from lpcompare.paper.simplifier import LPSimplifier
 from lpcompare.types import PointCloud, Points
 
 

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from lpcompare.comparison import Comparison
-from lpcompare.lp.budget import target_from_reduction
-from lpcompare.lp.simplifier import LPSimplifier
+from lpcompare.metrics.comparison import Comparison
+from lpcompare.paper.budget import target_from_reduction
+from lpcompare.paper.simplifier import LPSimplifier
 from lpcompare.registry import METHODS
 from lpcompare.report.projections import draw_cloud, draw_mesh, triangulate
 from lpcompare.reproduction.charts import save

@@ -8,15 +8,15 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from lpcompare.geometry.threads import thread_count
-from lpcompare.harness.environment import capture
-from lpcompare.harness.writing import replace_text
+from lpcompare.benchmark.environment import capture
+from lpcompare.files import replace_text
 from lpcompare.reproduction.charts import draw_errors, draw_seconds
 from lpcompare.reproduction.experiments import EXPERIMENTS
 from lpcompare.reproduction.lab import Lab
 from lpcompare.reproduction.page import render
 from lpcompare.reproduction.pictures import draw_clusters, draw_curvature, draw_holes, draw_reduced
 from lpcompare.reproduction.table import Table
+from lpcompare.threads import thread_count
 from lpcompare.types import PointCloud
 
 Progress = Callable[[str, int, int], None]

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from lpcompare.errors import InputError
-from lpcompare.harness.writing import replace_text
+from lpcompare.files import replace_text
 
 Row = Mapping[str, Any]
 

@@ -5,7 +5,7 @@ import inspect
 import numpy as np
 import pytest
 
-from lpcompare.comparison import Comparison
+from lpcompare.metrics.comparison import Comparison
 from lpcompare.registry import METHODS
 
 pytestmark = pytest.mark.shared

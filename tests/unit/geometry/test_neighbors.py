@@ -5,7 +5,7 @@ import pytest
 
 from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.geometry.scale import bounding_box_center, bounding_box_diagonal
-from lpcompare.geometry.threads import thread_count
+from lpcompare.threads import thread_count
 
 
 def test_neighbours_equal_the_sorted_distance_matrix():

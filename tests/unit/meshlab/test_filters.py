@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import lpcompare
-from lpcompare.comparison import Comparison
+from lpcompare.metrics.comparison import Comparison
 
 GENERATE = (
     "generate_simplified_point_cloud_linear_programming",

@@ -5,7 +5,7 @@ import math
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lpcompare.harness.record import Record
+from lpcompare.benchmark.record import Record
 from lpcompare.report.cells import Cell, Interval, gather_cells, pareto_front
 
 

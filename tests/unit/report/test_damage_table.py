@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import pytest
 
-from lpcompare.harness.perturbation import LARGEST_LEVEL
-from lpcompare.harness.record import Record
+from lpcompare.benchmark.perturbation import LARGEST_LEVEL
+from lpcompare.benchmark.record import Record
 from lpcompare.report.damage import LEVELS, collect_damage, damage_curves
 from lpcompare.report.damage_table import format_damage
 

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from made_runs import dented_sphere
 
+from lpcompare.benchmark.record import load_run
 from lpcompare.errors import InputError
-from lpcompare.harness.record import load_run
 from lpcompare.mesh_library import pymeshlab
 from lpcompare.report.cell_table import write_csv
 from lpcompare.report.figures import FORMATS, write_figures

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from made_runs import METHODS, dented_sphere
 
+from lpcompare.benchmark.plan import Plan, Variant
+from lpcompare.benchmark.runner import run_plan
 from lpcompare.errors import InputError, UnknownName
-from lpcompare.harness.plan import Plan, Variant
-from lpcompare.harness.runner import run_plan
 from lpcompare.report.page import write_page, write_view
 from lpcompare.types import PointCloud
 
@@ -113,7 +113,7 @@ def test_a_real_run_of_our_method_offers_its_clusters_curvature_and_features(tmp
 
 
 def test_a_large_cloud_is_thinned_for_display_and_its_numbers_are_not(new_run, tmp_path, monkeypatch):
-    monkeypatch.setattr("lpcompare.report.views.MOST_POINTS", 200)
+    monkeypatch.setattr("lpcompare.report.clouds3d.MOST_POINTS", 200)
     new_run.model("m", dented_sphere(1000))
     new_run.case("m", "random_sample", 0.5)
     (model,) = data_of(write_page(new_run.write(), tmp_path / "p.html"), "view-data")

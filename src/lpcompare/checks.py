@@ -1,0 +1,116 @@
+"""What `simplify` accepts: each check returns the clean value or says in one sentence what is wrong."""
+
+from __future__ import annotations
+
+import numbers
+from collections.abc import Iterable
+
+import numpy as np
+
+from lpcompare.errors import InputError, UnknownName
+from lpcompare.paper.budget import target_from_reduction
+from lpcompare.types import Points
+
+_LARGEST = 1e150
+_SMALLEST = 1e-150
+
+
+def check_cloud(points: object) -> Points:
+    """The cloud as a C-ordered float64 array (n, 3), copied only where it has to be.
+
+    Raises
+    ------
+    InputError
+        Not (n, 3), empty, not numeric, or not finite.
+    """
+    try:
+        array = np.asarray(points)
+        if array.dtype.kind not in "iuf":
+            raise TypeError
+    except (TypeError, ValueError):
+        raise InputError("points must be an array of real numbers of shape (n, 3).") from None
+    if array.ndim != 2 or array.shape[1] != 3:
+        raise InputError(f"points has shape {array.shape}; give an array of shape (n, 3), one row per point.")
+    if not len(array):
+        raise InputError("points is empty; give at least one point.")
+    cloud = np.ascontiguousarray(array, dtype=np.float64)
+    bad = np.flatnonzero(~np.isfinite(cloud).all(axis=1))
+    if len(bad):
+        raise InputError(
+            f"points has {len(bad)} rows with NaN or infinity, the first is row {bad[0]}; remove them."
+        )
+    if np.abs(cloud).max() > _LARGEST:
+        raise InputError(f"points has coordinates beyond {_LARGEST:g}, whose squares overflow; rescale them.")
+    extent = float(np.ptp(cloud, axis=0).max())
+    if 0 < extent < _SMALLEST:
+        raise InputError(f"points spread over {extent:g} only, whose squares underflow; rescale them.")
+    return cloud
+
+
+def check_target(n_points: int, target_reduction: float | None, target_count: int | None) -> int:
+    """The number of points to keep, from exactly one of the two ways to say it.
+
+    Raises
+    ------
+    InputError
+        Both or neither given, a reduction outside [0, 1), a count outside [1, n].
+    """
+    if (target_reduction is None) == (target_count is None):
+        raise InputError(
+            f"Give exactly one of target_reduction (got {target_reduction}) "
+            f"and target_count (got {target_count})."
+        )
+    if target_count is not None:
+        return check_integer("target_count", target_count, 1, n_points)
+    reduction = check_number("target_reduction", target_reduction, 0.0, 1.0)
+    if reduction == 1.0:
+        raise InputError("target_reduction is 1, which keeps no point; give a share below 1.")
+    return target_from_reduction(n_points, reduction)
+
+
+def check_integer(name: str, value: object, low: int, high: int | None = None) -> int:
+    """An integer from ``low`` to ``high``."""
+    allowed = f"an integer from {low} to {high}" if high is not None else f"an integer of at least {low}"
+    if isinstance(value, bool) or not isinstance(value, numbers.Integral):
+        raise InputError(f"{name} is {value!r}; give {allowed}.")
+    number = int(value)
+    if number < low or (high is not None and number > high):
+        raise InputError(f"{name} is {value}; give {allowed}.")
+    return number
+
+
+def check_number(name: str, value: object, low: float, high: float = np.inf) -> float:
+    """A finite number from ``low`` to ``high``."""
+    allowed = f"a number from {low:g} to {high:g}" if np.isfinite(high) else f"a number of at least {low:g}"
+    if isinstance(value, bool) or not isinstance(value, numbers.Real) or not np.isfinite(float(value)):
+        raise InputError(f"{name} is {value!r}; give {allowed}.")
+    if not low <= float(value) <= high:
+        raise InputError(f"{name} is {value}; give {allowed}.")
+    return float(value)
+
+
+def check_choice(name: str, value: object, allowed: Iterable[str]) -> str:
+    """One of the ``allowed`` words."""
+    if value not in (known := list(allowed)):
+        raise UnknownName(name, str(value), known)
+    return str(value)
+
+
+def check_seed(random_state: object) -> np.random.Generator:
+    """A generator from a non-negative integer, a generator, or None for fresh randomness."""
+    if random_state is None or isinstance(random_state, np.random.Generator):
+        return np.random.default_rng(random_state)
+    return np.random.default_rng(check_integer("random_state", random_state, 0))
+
+
+def check_solver(name: object) -> str:
+    """Return "highs", "highs-cold", or a mixed-integer solver that cvxpy finds installed."""
+    if name in ("highs", "highs-cold"):
+        return str(name)
+    import cvxpy as cp
+    from cvxpy.reductions.solvers.defines import INSTALLED_MI_SOLVERS
+
+    installed = sorted(set(cp.installed_solvers()) & set(INSTALLED_MI_SOLVERS))
+    if str(name).upper() not in installed:
+        raise UnknownName("solver", str(name), ["highs", "highs-cold", *installed])
+    return str(name).upper()

@@ -1,0 +1,251 @@
+"""Stage 1: expectation maximisation for a mixture of Gaussians, eqs. 1-5 of Leal et al. (2017).
+
+Each iteration is two matrix products per block of points. With the ten features
+``f = [1, x, y, z, xx, yy, zz, xy, xz, yz]`` of a point, the log-density of every component is linear in ``f``
+(n x 10 times 10 x K), and so are the sums that eqs. 2-4 need (K x n times n x 10).
+"""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from sklearn.cluster import KMeans
+from sklearn.exceptions import ConvergenceWarning
+from sklearn.metrics import pairwise_distances_argmin
+from threadpoolctl import threadpool_limits
+
+from lpcompare.threads import Progress, map_in_threads
+from lpcompare.types import Indices, Points, Vector
+
+FIT_LIMIT = 50_000
+"""Larger clouds are fitted on a random subsample of this many points and the fit is applied to all."""
+
+_START_LIMIT = 16_000
+_BLOCK = 4096
+_TINIEST = 1e-280
+_LOST = 1e-6
+_PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
+
+
+@dataclass(frozen=True, eq=False)
+class Mixture:
+    """A fitted mixture and the cluster of every point.
+
+    Attributes
+    ----------
+    labels : ndarray of int, shape (n,)
+        The most probable component of each point (eq. 1).
+    weights : ndarray, shape (K,)
+        Mixing weights w_c, eq. 2.
+    means : ndarray, shape (K, 3)
+        Eq. 3.
+    covariances : ndarray, shape (K, 3, 3)
+        Eq. 4.
+    log_likelihoods : ndarray, shape (iterations,)
+        Eq. 5 before each update, for the points that were fitted.
+    converged : bool
+        Whether the mean log-likelihood changed by less than the tolerance.
+    """
+
+    labels: Indices
+    weights: Vector
+    means: Points
+    covariances: NDArray[np.float64]
+    log_likelihoods: Vector
+    converged: bool
+
+    @property
+    def n_clusters(self) -> int:
+        """Number of components K."""
+        return len(self.weights)
+
+    def responsibilities(self, points: Points) -> NDArray[np.float64]:
+        """Membership probabilities P(c | x_i) of eq. 1 for points (n, 3) in the fit's units: (n, K)."""
+        middle = self.means.mean(axis=0)
+        near_origin = replace(self, means=self.means - middle)
+        logits = _features(points - middle) @ _log_density_coefficients(near_origin)
+        densities = np.exp(logits - logits.max(axis=1, keepdims=True))
+        return densities / densities.sum(axis=1, keepdims=True)
+
+    def in_units(self, center: Vector, scale: float) -> Mixture:
+        """The same mixture for points that were multiplied by ``scale`` and moved by ``center``."""
+        return replace(self, means=self.means * scale + center, covariances=self.covariances * scale**2)
+
+
+@dataclass(frozen=True)
+class _Rule:
+    """When the iteration ends, and what is added to each variance."""
+
+    tolerance: float
+    max_iterations: int
+    regularization: float
+
+
+def cluster_points(
+    points: Points,
+    n_clusters: int,
+    rng: np.random.Generator,
+    *,
+    start: Indices | None = None,
+    tolerance: float = 1e-3,
+    max_iterations: int = 100,
+    regularization: float = 1e-6,
+    fit_limit: int = FIT_LIMIT,
+    progress: Progress | None = None,
+) -> Mixture:
+    """Fit a mixture of full-covariance Gaussians (eqs. 1-5) and assign every point to a component.
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, 3)
+        Normalised cloud (mean zero, mean squared radius one).
+    n_clusters : int
+        Components K; cut to the number of distinct points.
+    rng : numpy.random.Generator
+        Draws the subsamples and the k-means++ centres.
+    start : ndarray of int, shape (n,), optional
+        Hard assignment to start from, in place of k-means.
+    tolerance : float
+        The fit ends when the mean log-likelihood changes by less (scikit-learn's rule).
+    max_iterations : int
+    regularization : float
+        Added to each variance, so that a component cannot collapse onto a point, a line or a plane.
+    fit_limit : int
+        Clouds with more points are fitted on a random subsample of this size.
+    progress : callable, optional
+        Called with (iterations done, max_iterations).
+
+    Returns
+    -------
+    Mixture
+        In the units of ``points``. A component may own no point.
+    """
+    rows = _fitted_rows(len(points), fit_limit, rng)
+    # one thread inside each of ours: faster, and the same sums on any machine
+    with threadpool_limits(1):
+        labels = start_labels(points[rows], n_clusters, rng) if start is None else start[rows]
+        labels = np.unique(labels, return_inverse=True)[1]
+        rule = _Rule(tolerance, max_iterations, regularization)
+        mixture = _expectation_maximization(_features(points[rows]), labels, rule, progress)
+        return replace(mixture, labels=assign(points, mixture))
+
+
+def assign(points: Points, mixture: Mixture) -> Indices:
+    """The most probable component of each point: ndarray of int, shape (n,)."""
+    coefficients = _log_density_coefficients(mixture)
+    blocks = [points[i : i + _BLOCK] for i in range(0, len(points), _BLOCK)]
+    return np.concatenate(
+        map_in_threads(lambda block: np.argmax(_features(block) @ coefficients, axis=1), blocks)
+    )
+
+
+def start_labels(points: Points, n_clusters: int, rng: np.random.Generator) -> Indices:
+    """Hard assignment by k-means, its centres fitted on a subsample: ndarray of int, shape (n,)."""
+    sample = points[_fitted_rows(len(points), _START_LIMIT, rng)]
+    n_distinct = len(np.unique(sample, axis=0))
+    seed = int(rng.integers(2**31))
+    with warnings.catch_warnings():
+        # fewer distinct centres than asked for only leave components out
+        warnings.simplefilter("ignore", ConvergenceWarning)
+        model = KMeans(min(n_clusters, n_distinct), n_init="auto", random_state=seed).fit(sample)
+    return pairwise_distances_argmin(points, model.cluster_centers_)
+
+
+def _fitted_rows(n_points: int, limit: int, rng: np.random.Generator) -> slice | Indices:
+    """Sorted rows of a random subsample, or all of them where the cloud is small enough."""
+    return slice(None) if n_points <= limit else np.sort(rng.choice(n_points, limit, replace=False))
+
+
+def _expectation_maximization(
+    features: NDArray[np.float64], labels: Indices, rule: _Rule, progress: Progress | None
+) -> Mixture:
+    blocks = [features[i : i + _BLOCK] for i in range(0, len(features), _BLOCK)]
+    mixture = _maximize(_hard_sums(features, labels), labels, rule)
+    history: list[float] = []
+    for iteration in range(1, rule.max_iterations + 1):
+        sums, log_likelihood = _expect(blocks, mixture)
+        mixture = _maximize(sums, labels, rule)
+        history.append(log_likelihood)
+        if progress:
+            progress(iteration, rule.max_iterations)
+        if len(history) > 1 and abs(history[-1] - history[-2]) < rule.tolerance * len(features):
+            return replace(mixture, log_likelihoods=np.array(history), converged=True)
+    return replace(mixture, log_likelihoods=np.array(history))
+
+
+def _features(points: Points) -> NDArray[np.float64]:
+    """Monomials [1, x, y, z, xx, yy, zz, xy, xz, yz] of each point, shape (n, 10)."""
+    features = np.empty((len(points), 10))
+    features[:, 0] = 1.0
+    features[:, 1:4] = points
+    for column, (i, j) in enumerate(_PAIRS, 4):
+        np.multiply(points[:, i], points[:, j], out=features[:, column])
+    return features
+
+
+def _log_density_coefficients(mixture: Mixture) -> NDArray[np.float64]:
+    """Log w_c p(x|c) as coefficients of the monomials, shape (10, K)."""
+    # by eigenvectors: an inverse would lose the digits of components that are nearly flat
+    variances, axes = np.linalg.eigh(mixture.covariances)
+    means, precisions = mixture.means, (axes / variances[:, None]) @ axes.transpose(0, 2, 1)
+    linear = np.einsum("cij,cj->ci", precisions, means)
+    constant = -0.5 * (
+        3 * np.log(2 * np.pi) + np.log(variances).sum(axis=1) + np.einsum("ci,ci->c", means, linear)
+    )
+    square = -0.5 * precisions[:, range(3), range(3)]
+    cross = -precisions[:, (0, 0, 1), (1, 2, 2)]
+    rows = np.column_stack([np.log(mixture.weights) + constant, linear, square, cross])
+    return np.ascontiguousarray(rows.T, dtype=np.float64)
+
+
+def _expect(blocks: list[NDArray[np.float64]], mixture: Mixture) -> tuple[NDArray[np.float64], float]:
+    """Eqs. 1 and 5: the sums over points of responsibility x monomial, (K, 10), and the log-likelihood."""
+    coefficients = _log_density_coefficients(mixture)
+    parts = map_in_threads(lambda block: _expect_block(block, coefficients), blocks)
+    return np.sum([sums for sums, _ in parts], axis=0), float(sum(value for _, value in parts))
+
+
+def _expect_block(
+    features: NDArray[np.float64], coefficients: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], float]:
+    """One block of `_expect`; rows so far out that every density underflows are shifted by their maximum."""
+    densities = features @ coefficients
+    np.exp(densities, out=densities)
+    totals = densities @ np.ones(len(coefficients.T))
+    shifts = 0.0
+    far = np.flatnonzero(totals < _TINIEST)
+    if len(far):
+        logits = features[far] @ coefficients
+        largest = logits.max(axis=1)
+        densities[far] = np.exp(logits - largest[:, None])
+        totals[far] = densities[far].sum(axis=1)
+        shifts = float(largest.sum())
+    sums = densities.T @ (features / totals[:, None])
+    return sums, float(np.log(totals).sum()) + shifts
+
+
+def _hard_sums(features: NDArray[np.float64], labels: Indices) -> NDArray[np.float64]:
+    """The sums of `_expect` when each point belongs to one component, (K, 10)."""
+    n_clusters = int(labels.max()) + 1
+    sums = np.empty((n_clusters, 10))
+    for j in range(10):
+        sums[:, j] = np.bincount(labels, features[:, j])
+    return sums
+
+
+def _maximize(sums: NDArray[np.float64], labels: Indices, rule: _Rule) -> Mixture:
+    """Eqs. 2-4 from the sums of responsibility x monomial."""
+    counts = sums[:, 0] + 10 * np.finfo(float).eps
+    means = sums[:, 1:4] / counts[:, None]
+    covariances = np.empty((len(sums), 3, 3))
+    for column, (i, j) in enumerate(_PAIRS, 4):
+        moment = sums[:, column] / counts - means[:, i] * means[:, j]
+        covariances[:, i, j] = covariances[:, j, i] = moment
+    covariances[:, range(3), range(3)] += rule.regularization
+    # a component that lost its points waits with the spread of the whole cloud
+    lost = counts < _LOST
+    means[lost], covariances[lost] = 0.0, np.eye(3)
+    return Mixture(labels, counts / counts.sum(), means, covariances, np.empty(0), False)

@@ -1,0 +1,293 @@
+"""The method of Leal et al. (2017) from points to points: `simplify` and the estimator `LPSimplifier`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from sklearn.base import BaseEstimator
+
+from lpcompare.checks import (
+    check_choice,
+    check_cloud,
+    check_integer,
+    check_number,
+    check_seed,
+    check_solver,
+    check_target,
+)
+from lpcompare.errors import InputError
+from lpcompare.geometry.scale import normalize
+from lpcompare.max_error import simplify_within
+from lpcompare.paper.cluster_count import AUTO, ClusterCountSetting, check_n_clusters, choose_n_clusters
+from lpcompare.paper.clustering import Mixture, cluster_points
+from lpcompare.paper.curvature import estimate_curvature
+from lpcompare.paper.features import feature_mask
+from lpcompare.paper.program import SolverSettings
+from lpcompare.paper.reduction import Reading, plan_clusters, reduce_clusters
+from lpcompare.progress import Callback, StageClock
+from lpcompare.types import Points, Simplification
+from lpcompare.uniform.simplifier import UniformReducer
+
+METHODS = ("lp_density", "lp_printed")
+UNIFORM_METHODS = ("lp_uniform", "lp_placed")
+
+
+def simplify(
+    points: Any,
+    *,
+    target_reduction: float | None = None,
+    target_count: int | None = None,
+    max_error: float | None = None,
+    method: str = "lp_density",
+    **settings: Any,
+) -> Simplification:
+    """Thin a point cloud with the method of Leal et al. (2017), or with ours that grew out of it.
+
+    Parameters
+    ----------
+    points : array_like, shape (n, 3)
+        Finite coordinates in model units; never changed.
+    target_reduction : float, optional
+        Share of the points removed, from 0 to below 1.
+    target_count : int, optional
+        Points kept, from 1 to n.
+    max_error : float, optional
+        Largest eq. 27 error (8 neighbours) in % of the bounding-box diagonal: as few points are kept as it
+        allows. Give exactly one of the three.
+    method : {"lp_density", "lp_printed", "lp_uniform", "lp_placed"}
+    **settings
+        Those of `LPSimplifier`, or for the last two of `lpcompare.uniform.simplifier.UniformReducer`.
+
+    Returns
+    -------
+    Simplification
+        The kept points with their rows in the input; ``info`` holds the certificates and the cluster of
+        every input point. The points of "lp_placed" are new; ``info["source"]`` has their rows.
+
+    Raises
+    ------
+    InputError
+        The cloud or a setting cannot be worked on.
+    UnknownName
+        A setting names something that does not exist.
+    SolverError
+        The solver ended without a selection.
+
+    Examples
+    --------
+    >>> import numpy as np, lpcompare
+    >>> cloud = np.random.default_rng(0).normal(size=(500, 3))
+    >>> len(lpcompare.simplify(cloud, target_reduction=0.9))
+    50
+    """
+    cloud = check_cloud(points)
+    reduce = _reducer(cloud, check_choice("method", method, METHODS + UNIFORM_METHODS), settings)
+    if max_error is None:
+        return reduce(check_target(len(cloud), target_reduction, target_count))
+    if target_reduction is not None or target_count is not None:
+        raise InputError(
+            "max_error chooses the count; give it alone, without target_reduction or target_count."
+        )
+    return simplify_within(cloud, max_error, reduce)
+
+
+def _reducer(cloud: Points, method: str, settings: dict[str, Any]) -> Callable[[int], Simplification]:
+    """The method as a function of the count alone."""
+    if method in UNIFORM_METHODS:
+        return UniformReducer(cloud, placed=method == "lp_placed", **settings).reduce
+    return lambda count: (
+        LPSimplifier(target_count=count, method=method, **settings).fit(cloud).simplification_
+    )
+
+
+class LPSimplifier(BaseEstimator):
+    """The method of Leal et al. (2017) with everything that it computes on the way.
+
+    Parameters
+    ----------
+    target_reduction, target_count : float, int
+        Share removed or points kept; exactly one of the two.
+    method : {"lp_density", "lp_printed"}
+        "lp_density" keeps each cluster's mean inverse distance (eq. 14 with k = 1); "lp_printed" is
+        eqs. 12-26 as they stand, with k = 1 / PR.
+    n_clusters : int or "auto"
+        Components of the mixture, cut to the number of distinct points; "auto" takes the number of least BIC.
+        Clouds of more than 50,000 points are fitted on a random subsample of 50,000, and the fit is applied
+        to all points.
+    n_neighbors : int
+        Points per curvature fit, the point itself among them.
+    retention : {"exact-count", "keep-features"}
+        What the target counts: all kept points, or the reduction of the points that are not features.
+    feature_share : float
+        Largest share of a cluster's budget that features take under "exact-count".
+    density : {"mean", "printed"}
+        D_c as the text says it, or as eq. 12 prints it (it then depends on the unit of the model).
+    solver : str
+        "highs" (HiGHS from a starting solution), "highs-cold", or any mixed-integer solver of cvxpy.
+    clusterer : {"em", "sklearn"}
+        Our expectation maximisation, or scikit-learn's GaussianMixture as a reference.
+    time_limit : float
+        Seconds per cluster; at the limit the best selection so far is kept.
+    gap : float
+        Relative gap per cluster that the solver may leave.
+    random_state : int, numpy.random.Generator or None
+        Seed of the k-means start, of subsamples and of the starting selections.
+    callback : callable, optional
+        Called with (stage, done, total) as each of "clustering", "curvature", "selection" proceeds.
+
+    Attributes
+    ----------
+    simplification_ : Simplification
+    sample_indices_ : ndarray of int, shape (m,)
+        Rows that were kept, ascending.
+    labels_ : ndarray of int, shape (n,)
+        Cluster of each point.
+    mixture_ : Mixture
+        Weights, means, covariances in model units, and the log-likelihood per iteration (eqs. 2-5).
+    cluster_count_ : ClusterCount or None
+        The curve of n_clusters="auto".
+    curvature_ : Curvature
+        H, K and A of each point (eqs. 9-11), in model units.
+    feature_mask_ : ndarray of bool, shape (n,)
+    certificates_ : tuple of Certificate
+        Per cluster that owns a point: densities (eqs. 12, 15), Z (eq. 14), bound and proof.
+    timings_ : dict of str to float
+        Seconds per stage.
+
+    References
+    ----------
+    E. Leal, N. Leal, G. Sanchez-Torres, A Linear Programming Approach for 3D Point Cloud Simplification,
+    2017.
+    """
+
+    def __init__(
+        self,
+        *,
+        target_reduction: float | None = None,
+        target_count: int | None = None,
+        method: str = "lp_density",
+        n_clusters: ClusterCountSetting = 20,
+        n_neighbors: int = 20,
+        retention: str = "exact-count",
+        feature_share: float = 0.4,
+        density: str = "mean",
+        solver: str = "highs",
+        clusterer: str = "em",
+        time_limit: float = 10.0,
+        gap: float = 0.0,
+        random_state: int | np.random.Generator | None = 0,
+        callback: Callback | None = None,
+    ) -> None:
+        self.target_reduction = target_reduction
+        self.target_count = target_count
+        self.method = method
+        self.n_clusters = n_clusters
+        self.n_neighbors = n_neighbors
+        self.retention = retention
+        self.feature_share = feature_share
+        self.density = density
+        self.solver = solver
+        self.clusterer = clusterer
+        self.time_limit = time_limit
+        self.gap = gap
+        self.random_state = random_state
+        self.callback = callback
+
+    def fit(self, X: Any, y: object = None) -> LPSimplifier:
+        """Cluster, mark the features, and solve each cluster's programme.
+
+        Parameters
+        ----------
+        X : array_like, shape (n, 3)
+            Finite coordinates in model units; never changed.
+        y : object
+            Ignored; scikit-learn's habit.
+
+        Returns
+        -------
+        LPSimplifier
+            Itself, fitted.
+        """
+        points = check_cloud(X)
+        target_count = check_target(len(points), self.target_reduction, self.target_count)
+        self._check_settings()
+        rng = check_seed(self.random_state)
+        cloud, center, scale = normalize(points)
+        clock = StageClock(self.callback)
+
+        mixture = self._cluster(cloud, rng, clock.stage("clustering"))
+        curvature = estimate_curvature(cloud, self.n_neighbors, clock.stage("curvature"))
+        features = feature_mask(curvature.absolute, mixture.labels)
+        progress = clock.stage("selection")
+        tasks = plan_clusters(
+            cloud,
+            mixture.labels,
+            features,
+            curvature.absolute,
+            target_count=target_count,
+            rng=rng,
+            retention=self.retention,
+            feature_share=self.feature_share,
+        )
+        indices, certificates = reduce_clusters(
+            cloud,
+            tasks,
+            Reading(self.method, self.density, scale),
+            SolverSettings(check_solver(self.solver), self.time_limit, self.gap),
+            progress,
+        )
+
+        self.timings_ = clock.stop()
+        self.labels_, self.mixture_ = mixture.labels, mixture.in_units(center, scale)
+        self.curvature_, self.feature_mask_ = curvature.in_units(scale), features
+        self.sample_indices_, self.certificates_ = indices, tuple(certificates)
+        self.n_features_in_ = 3
+        self.simplification_ = self._simplification(points)
+        return self
+
+    def fit_resample(self, X: Any, y: object = None) -> Points:
+        """Fit and return the kept points, shape (m, 3)."""
+        return self.fit(X).simplification_.points
+
+    def responsibilities(self, X: Any) -> np.ndarray:
+        """Membership probabilities P(c | x_i) of eq. 1 under the fitted mixture, shape (n, K)."""
+        return self.mixture_.responsibilities(check_cloud(X))
+
+    def _check_settings(self) -> None:
+        check_choice("method", self.method, METHODS)
+        check_n_clusters(self.n_clusters)
+        check_integer("n_neighbors", self.n_neighbors, 1)
+        check_choice("retention", self.retention, ("exact-count", "keep-features"))
+        check_number("feature_share", self.feature_share, 0.0, 1.0)
+        check_choice("density", self.density, ("mean", "printed"))
+        check_choice("clusterer", self.clusterer, ("em", "sklearn"))
+        check_number("time_limit", self.time_limit, 0.0)
+        check_number("gap", self.gap, 0.0)
+        check_solver(self.solver)
+
+    def _cluster(
+        self, cloud: Points, rng: np.random.Generator, progress: Callable[[int, int], None]
+    ) -> Mixture:
+        wanted = check_n_clusters(self.n_clusters)
+        self.cluster_count_ = choose_n_clusters(cloud, rng) if wanted == AUTO else None
+        n_clusters = self.cluster_count_.n_clusters if self.cluster_count_ else int(wanted)
+        if self.clusterer == "sklearn":
+            from lpcompare.paper.sklearn_clustering import cluster_points_with_sklearn
+
+            return cluster_points_with_sklearn(cloud, n_clusters, rng)
+        return cluster_points(cloud, n_clusters, rng, progress=progress)
+
+    def _simplification(self, points: Points) -> Simplification:
+        info = {
+            "labels": self.labels_,
+            "curvature": self.curvature_.absolute,
+            "feature_mask": self.feature_mask_,
+            "certificates": self.certificates_,
+            "n_clusters": self.mixture_.n_clusters,
+            "n_features_kept": int(self.feature_mask_[self.sample_indices_].sum()),
+            "n_certified": sum(c.proven for c in self.certificates_),
+            "largest_residual": max(c.residual for c in self.certificates_),
+        }
+        return Simplification(points[self.sample_indices_], self.sample_indices_, self.timings_, info)

@@ -1,0 +1,152 @@
+"""`lp_uniform` and `lp_placed` for the whole cloud: cells, refinement, and the programme of every cluster."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from threading import Event
+
+import numpy as np
+
+from lpcompare.geometry.neighbors import Neighbors
+from lpcompare.paper.density import inverse_distance_costs
+from lpcompare.threads import Progress, map_in_threads
+from lpcompare.types import Indices, Mask, Points, Vector
+from lpcompare.uniform.cells import blue_noise_centers, sampling_weights, tilt_to_density
+from lpcompare.uniform.densities import DensityBand
+from lpcompare.uniform.program import SpreadCertificate, Stop, select_one_per_cell
+from lpcompare.uniform.quadrics import Surface, tangent_quadrics
+from lpcompare.uniform.swaps import refine
+
+_SPREAD = 0.05
+_BAND = 0.8
+
+
+@dataclass(frozen=True, eq=False)
+class ClusterDensity:
+    """Eqs. 12 and 13 for every point of the cloud.
+
+    Attributes
+    ----------
+    labels : ndarray of int, shape (n,)
+    costs : ndarray, shape (n,)
+        C_i divided by the density D_c of the point's cluster.
+    densities : ndarray, shape (K,)
+        D_c = mean of 1 / d_i, in 1 / unit of the points; 1 where a cluster has no extent or no point.
+    """
+
+    labels: Indices
+    costs: Vector
+    densities: Vector
+
+
+def cluster_densities(points: Points, labels: Indices) -> ClusterDensity:
+    """Inverse distances to the centroids of the clusters ``labels`` (n,) of ``points`` (n, 3)."""
+    costs, densities = np.ones(len(points)), np.ones(int(labels.max()) + 1)
+    for cluster in np.unique(labels):
+        rows = np.flatnonzero(labels == cluster)
+        costs[rows], densities[cluster] = inverse_distance_costs(points[rows], points[rows].mean(axis=0))
+    return ClusterDensity(labels, costs, densities)
+
+
+def spread_points(
+    points: Points, surface: Surface, curvature: Vector, density: ClusterDensity, n_keep: int
+) -> Indices:
+    """One original per blue-noise cell, the one that represents it best: ``n_keep`` ascending rows."""
+    weights = tilt_to_density(sampling_weights(surface.areas, curvature), density.costs, density.labels)
+    centers = blue_noise_centers(points, weights, n_keep)
+    quadrics = tangent_quadrics(points, surface, centers)
+    costs = quadrics.costs(points, _SPREAD)
+    ranked = np.lexsort((costs, quadrics.owners))
+    chosen = ranked[np.flatnonzero(np.diff(quadrics.owners[ranked], prepend=-1))]
+    return _filled(points, chosen, n_keep)
+
+
+def _filled(points: Points, chosen: Indices, n_keep: int) -> Indices:
+    """Add the originals farthest from ``chosen``: coinciding centres leave cells without a point."""
+    free = np.setdiff1d(np.arange(len(points)), chosen)
+    if len(chosen) < n_keep:
+        gaps = Neighbors(points[chosen]).query(points[free], 1)[0][:, 0]
+        chosen = np.append(chosen, free[np.argsort(-gaps, kind="stable")[: n_keep - len(chosen)]])
+    return np.sort(chosen)
+
+
+def refine_in_density(
+    points: Points, indices: Indices, density: ClusterDensity, n_rounds: int, tolerance: float
+) -> Indices:
+    """Exchange points against eq. 27 while every cluster keeps its density."""
+    band = DensityBand(density.labels, density.costs, _BAND * tolerance)
+    return refine(points, indices, n_rounds=n_rounds, band=band)
+
+
+def solve_programmes(
+    points: Points,
+    surface: Surface,
+    density: ClusterDensity,
+    sites: Indices,
+    *,
+    tolerance: float,
+    stop: Stop,
+    progress: Progress | None = None,
+) -> tuple[Indices, list[SpreadCertificate]]:
+    """One point per cell of ``sites``, chosen by the programme of each cluster, in parallel threads.
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, 3)
+    surface : Surface
+    density : ClusterDensity
+    sites : ndarray of int, shape (m,)
+        Rows whose nearest originals are the cells; each belongs to the cluster of its site.
+    tolerance : float
+        Largest Z of eq. 14 that costs nothing, as a share of the cluster's density.
+    stop : Stop
+    progress : callable, optional
+        Called with (clusters done, clusters).
+
+    Returns
+    -------
+    indices : ndarray of int, shape (m,)
+        Ascending.
+    certificates : list of SpreadCertificate
+        One per cluster that owns a site, densities in 1 / unit of the points.
+    """
+    quadrics = tangent_quadrics(points, surface, points[sites])
+    costs = quadrics.costs(points, _SPREAD)
+    owners = _own_sites(quadrics.owners, sites)
+    candidates = np.flatnonzero(_candidates(points, density.labels, sites, owners))
+    clusters = density.labels[candidates]
+    cancelled = Event()
+
+    def solve(rows: Indices) -> tuple[Indices, SpreadCertificate]:
+        _, cells = np.unique(owners[rows], return_inverse=True)
+        mask, certificate = select_one_per_cell(
+            costs[rows],
+            cells,
+            density.costs[rows],
+            tolerance=tolerance,
+            stop=stop,
+            cancelled=cancelled,
+        )
+        return rows[mask], certificate.in_units(float(density.densities[density.labels[rows[0]]]))
+
+    order = candidates[np.argsort(clusters, kind="stable")]
+    groups = np.split(order, np.cumsum(np.bincount(clusters))[:-1])
+    results = map_in_threads(solve, [rows for rows in groups if len(rows)], progress, cancelled)
+    return np.sort(np.concatenate([rows for rows, _ in results])), [c for _, c in results]
+
+
+def _own_sites(owners: Indices, sites: Indices) -> Indices:
+    """Every site owns itself, also where another site lies at the same place."""
+    owners = owners.copy()
+    owners[sites] = np.arange(len(sites))
+    return owners
+
+
+def _candidates(points: Points, labels: Indices, sites: Indices, owners: Indices) -> Mask:
+    """Originals that may stand for their cell: of its cluster, and opening no hole wider than there is."""
+    steps = np.linalg.norm(points - points[sites[owners]], axis=1)
+    radii = np.zeros(len(sites))
+    np.maximum.at(radii, owners, steps)
+    close = steps + radii[owners] <= radii.max()
+    close[sites] = True
+    return close & (labels == labels[sites[owners]])

@@ -1,0 +1,50 @@
+"""Tangent-plane quadrics on shapes whose planes are known."""
+
+import numpy as np
+import pytest
+
+from lpcompare.uniform.quadrics import Surface, estimate_surface, tangent_quadrics
+
+
+def two_planes():
+    """A right angle: z = 0 for x < 0 and x = 0 for z > 0, with the edge along y."""
+    t, y = np.random.default_rng(0).random((2, 400))
+    flat = np.column_stack([-t, y, np.zeros(400)])
+    upright = np.column_stack([np.zeros(400), y, t])
+    normals = np.repeat([[0.0, 0, 1], [1.0, 0, 0]], 400, axis=0)
+    return np.concatenate([flat, upright]), Surface(normals, np.ones(800))
+
+
+def test_the_minimum_lies_on_the_edge():
+    points, surface = two_planes()
+    quadrics = tangent_quadrics(points, surface, np.array([[-0.1, 0.5, 0.05]]), n_shared=1)
+    minimum = quadrics.minima(1e-9)[0]
+    assert minimum == pytest.approx([0.0, 0.5, 0.0], abs=1e-6)
+
+
+def test_cost_is_the_squared_distance_to_every_plane():
+    points, surface = two_planes()
+    site = np.array([[0.0, 0.5, 0.0]])
+    costs = tangent_quadrics(points, surface, site, n_shared=1).costs(points, 0.0)
+    assert costs == pytest.approx(400 * points[:, 0] ** 2 + 400 * points[:, 2] ** 2)
+
+
+def test_spread_adds_the_squared_distance_to_the_site():
+    points, surface = two_planes()
+    site = np.array([[0.0, 0.5, 0.0]])
+    quadrics = tangent_quadrics(points, surface, site, n_shared=1)
+    added = quadrics.costs(points, 0.1) - quadrics.costs(points, 0.0)
+    assert added == pytest.approx(0.1 * 800 * np.sum((points - site) ** 2, axis=1))
+
+
+def test_normals_of_a_plane():
+    plane = np.random.default_rng(0).random((300, 3)) * [1, 1, 0]
+    surface = estimate_surface(plane)
+    assert np.abs(surface.normals[:, 2]) == pytest.approx(np.ones(300))
+    assert (surface.areas > 0).all()
+
+
+def test_coinciding_points_do_not_move():
+    same = np.ones((20, 3))
+    quadrics = tangent_quadrics(same, estimate_surface(same), same[:2])
+    assert quadrics.minima(0.1) == pytest.approx(same[:2])

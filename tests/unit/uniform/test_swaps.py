@@ -1,0 +1,136 @@
+"""What an exchange must keep, and what it must gain."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from lpcompare.errors import InputError
+from lpcompare.metrics.comparison import Comparison
+from lpcompare.uniform.densities import DensityBand
+from lpcompare.uniform.neighborhoods import SIZES, Neighborhoods
+from lpcompare.uniform.swaps import refine
+
+
+def bumps(n_points=3000, seed=0):
+    """A surface that is flat on one side and wavy on the other."""
+    x, y = np.random.default_rng(seed).random((2, n_points))
+    return np.column_stack([x, y, np.where(x > 0.5, 0.05 * np.sin(30 * x) * np.sin(30 * y), 0.0)])
+
+
+def random_rows(n_points, n_keep, seed=0):
+    return np.sort(np.random.default_rng(seed).choice(n_points, n_keep, replace=False))
+
+
+def error(points, rows):
+    comparison = Comparison(points, points[rows])
+    return np.mean([comparison.plane_errors(k).mean() for k in SIZES])
+
+
+def reach(points, rows):
+    return Comparison(points, points[rows]).forward_distances.max()
+
+
+def test_error_falls_and_holes_close():
+    points = bumps()
+    before = random_rows(len(points), 300)
+    after = refine(points, before)
+    assert error(points, after) < 0.85 * error(points, before)
+    assert reach(points, after) < 0.9 * reach(points, before)
+
+
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    n_points=st.integers(1, 120),
+    share=st.floats(0.01, 1.0),
+    copies=st.integers(1, 3),
+)
+@settings(max_examples=40, deadline=None)
+def test_count_rows_and_input_are_kept(seed, n_points, share, copies):
+    rng = np.random.default_rng(seed)
+    points = np.repeat(rng.normal(size=(n_points, 3)) * [1.0, 1.0, 0.1], copies, axis=0)
+    rows = random_rows(len(points), max(1, int(share * len(points))), seed)
+    given_points, given_rows = points.copy(), rows.copy()
+    after = refine(points, rows)
+    assert len(after) == len(rows)
+    assert (np.diff(after) > 0).all()
+    assert after[0] >= 0
+    assert after[-1] < len(points)
+    assert np.array_equal(points, given_points)
+    assert np.array_equal(rows, given_rows)
+
+
+@pytest.mark.parametrize("n_keep", [20, 100, 900])
+def test_either_the_error_falls_or_a_hole_closes(n_keep):
+    points = bumps()
+    rows = refine(points, random_rows(len(points), n_keep), n_rounds=30)
+    again = refine(points, rows)
+    assert error(points, again) <= error(points, rows) * (1 + 1e-9) or reach(points, again) < reach(
+        points, rows
+    )
+
+
+def test_same_input_same_points_on_one_thread_or_two(monkeypatch):
+    points, rows = bumps(), random_rows(3000, 400)
+    results = []
+    for threads in "112":
+        monkeypatch.setenv("LPCOMPARE_THREADS", threads)
+        results.append(refine(points, rows))
+    assert np.array_equal(results[0], results[1])
+    assert np.array_equal(results[0], results[2])
+
+
+def test_far_from_the_origin_the_same_points():
+    points, rows = bumps(), random_rows(3000, 400)
+    exact = np.round(points * 2**20) / 2**20
+    assert np.array_equal(refine(exact, rows), refine(np.add(exact, [2**19, 2**22, 0]), rows))
+
+
+def test_no_rounds_change_nothing():
+    rows = random_rows(3000, 100)
+    assert np.array_equal(refine(bumps(), rows, n_rounds=0), rows)
+
+
+def test_density_band_is_kept_by_exchanges():
+    points = bumps()
+    labels = (points[:, 1] > 0.5).astype(np.intp)
+    centroids = np.array([points[labels == c].mean(axis=0) for c in (0, 1)])
+    costs = 1 / np.linalg.norm(points - centroids[labels], axis=1)
+    costs /= np.array([costs[labels == c].mean() for c in (0, 1)])[labels]
+
+    def worst(kept):
+        return max(abs(costs[kept[labels[kept] == c]].mean() - 1) for c in (0, 1))
+
+    rows = refine(points, random_rows(3000, 300), n_rounds=30)
+    free = refine(points, rows, n_rounds=12, exchange_share=0.2)
+    held = refine(points, rows, n_rounds=12, exchange_share=0.2, band=DensityBand(labels, costs, 0.01))
+    assert worst(held) <= max(worst(rows), 0.011)
+    assert worst(held) <= worst(free) or worst(free) < 0.011
+
+
+def test_incremental_neighbours_are_those_of_a_fresh_start():
+    points = bumps(800)
+    rows = random_rows(800, 150)
+    state = Neighborhoods(points, rows)
+    free = np.setdiff1d(np.arange(800), rows)
+    state.exchange(rows[::15], free[:10])
+    fresh = Neighborhoods(points, state.kept)
+    assert state.distances == pytest.approx(fresh.distances)
+    assert state.errors == pytest.approx(fresh.errors)
+    assert len(state.kept) == 150
+
+
+@pytest.mark.parametrize(
+    ("rows", "settings", "words"),
+    [
+        ([0, 0, 1], {}, "distinct rows"),
+        ([], {}, "distinct rows"),
+        ([0, 3000], {}, "distinct rows"),
+        ([0, 1], {"n_rounds": -1}, "n_rounds is -1"),
+        ([0, 1], {"exchange_share": 0.0}, "exchange_share is 0.0"),
+        ([0, 1], {"hole_limit": 0.0}, "hole_limit is 0.0"),
+    ],
+)
+def test_what_cannot_be_worked_on_is_said(rows, settings, words):
+    with pytest.raises(InputError, match=words):
+        refine(bumps(), np.array(rows, dtype=np.intp), **settings)
