@@ -1,4 +1,4 @@
-"""What `simplify` accepts: each check returns the clean value or says in one sentence what is wrong."""
+"""What is accepted from outside: each check returns the clean value or says in one sentence what is wrong."""
 
 from __future__ import annotations
 
@@ -8,43 +8,73 @@ from collections.abc import Iterable
 import numpy as np
 
 from lpcompare.errors import InputError, UnknownName
-from lpcompare.paper.budget import target_from_reduction
-from lpcompare.types import Points
+from lpcompare.types import Mask, Points
 
 _LARGEST = 1e150
 _SMALLEST = 1e-150
 
 
-def check_cloud(points: object) -> Points:
-    """The cloud as a C-ordered float64 array (n, 3), copied only where it has to be.
+def check_points(values: object, where: str = "points") -> Points:
+    """The coordinates as a C-ordered float64 array (n, 3), copied only where it has to be.
+
+    Parameters
+    ----------
+    values : array_like, shape (n, 3)
+        Masked entries count as missing.
+    where : str
+        What the values are, for the message.
 
     Raises
     ------
     InputError
         Not (n, 3), empty, not numeric, or not finite.
     """
+    array = _numbers(values, where)
+    if array.ndim != 2 or array.shape[1] != 3:
+        hint = " It looks transposed; give its .T." if array.ndim == 2 and array.shape[0] == 3 else ""
+        raise InputError(
+            f"{where} has shape {array.shape}; give an array of shape (n, 3), one row per point.{hint}"
+        )
+    if not len(array):
+        raise InputError(f"{where} is empty; give at least one point.")
+    cloud = np.ascontiguousarray(array, dtype=np.float64)
+    bad = np.flatnonzero(~valid_rows(cloud))
+    if len(bad):
+        raise InputError(
+            f"{where} has {len(bad)} of {len(cloud)} rows with NaN, infinity or a masked value, the first is "
+            f"row {bad[0]}; remove them, or say drop_invalid=True."
+        )
+    if np.abs(cloud).max() > _LARGEST:
+        raise InputError(
+            f"{where} has coordinates beyond {_LARGEST:g}, whose squares overflow; rescale them."
+        )
+    extent = float(np.ptp(cloud, axis=0).max())
+    if 0 < extent < _SMALLEST:
+        raise InputError(f"{where} spreads over {extent:g} only, whose squares underflow; rescale it.")
+    return cloud
+
+
+def valid_rows(points: Points) -> Mask:
+    """Which rows have three finite coordinates, shape (n,)."""
+    return np.isfinite(points).all(axis=1)
+
+
+def _numbers(values: object, where: str) -> np.ndarray:
+    """The values as an array of numbers; masked ones become NaN."""
     try:
-        array = np.asarray(points)
+        if isinstance(values, np.ma.MaskedArray):
+            return values.astype(np.float64).filled(np.nan)
+        array = np.asarray(values)
         if array.dtype.kind not in "iuf":
             raise TypeError
     except (TypeError, ValueError):
-        raise InputError("points must be an array of real numbers of shape (n, 3).") from None
-    if array.ndim != 2 or array.shape[1] != 3:
-        raise InputError(f"points has shape {array.shape}; give an array of shape (n, 3), one row per point.")
-    if not len(array):
-        raise InputError("points is empty; give at least one point.")
-    cloud = np.ascontiguousarray(array, dtype=np.float64)
-    bad = np.flatnonzero(~np.isfinite(cloud).all(axis=1))
-    if len(bad):
-        raise InputError(
-            f"points has {len(bad)} rows with NaN or infinity, the first is row {bad[0]}; remove them."
-        )
-    if np.abs(cloud).max() > _LARGEST:
-        raise InputError(f"points has coordinates beyond {_LARGEST:g}, whose squares overflow; rescale them.")
-    extent = float(np.ptp(cloud, axis=0).max())
-    if 0 < extent < _SMALLEST:
-        raise InputError(f"points spread over {extent:g} only, whose squares underflow; rescale them.")
-    return cloud
+        raise InputError(f"{where} must be an array of real numbers of shape (n, 3).") from None
+    return array
+
+
+def target_from_reduction(n_points: int, reduction: float) -> int:
+    """Points kept: floor((1 - reduction) n), rounded to nine digits first, at least one."""
+    return max(1, int(np.floor(round((1.0 - reduction) * n_points, 9))))
 
 
 def check_target(n_points: int, target_reduction: float | None, target_count: int | None) -> int:

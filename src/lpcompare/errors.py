@@ -8,6 +8,7 @@
     ├── UnknownName (LookupError)        no method, metric, model or setting of that name
     ├── Unavailable (ImportError)        a package or system library is missing; the harness writes `skipped`
     ├── SolverError (RuntimeError)       the solver ended without a usable selection
+    ├── MethodError (RuntimeError)       a method broke a promise: wrong count, no subset, a changed input
     └── ModelDataError (OSError)         a model could not be fetched, checked or read
 
 A message names the thing, the value received, what is allowed and what to do.
@@ -47,6 +48,10 @@ class Unavailable(LpcompareError, ImportError):  # noqa: N818 - the tree of the 
 
 class SolverError(LpcompareError, RuntimeError):
     """The solver ended without a usable selection."""
+
+
+class MethodError(LpcompareError, RuntimeError):
+    """A method returned what it must not return, or changed its input."""
 
 
 class ModelDataError(LpcompareError, OSError):

@@ -9,20 +9,29 @@ from __future__ import annotations
 
 import ast
 import inspect
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from functools import cached_property
 from importlib import import_module
-from importlib.metadata import entry_points
+from importlib.metadata import EntryPoint, entry_points
 from importlib.util import find_spec
 from pathlib import Path
+from time import perf_counter
 from types import ModuleType
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
-from lpcompare.errors import InputError, Unavailable, UnknownName
-from lpcompare.types import Traits
+from lpcompare.errors import InputError, MethodError, Unavailable, UnknownName
+from lpcompare.types import PointCloud, Simplification, Traits
 
-_RESERVED = frozenset({"rng", "cloud"})
+if TYPE_CHECKING:
+    import numpy as np
+
+_RESERVED = frozenset({"rng", "cloud", "callback"})
 _NO_PLUGINS = frozenset({"comparison"})
+_FORGIVEN = 0.01
+"""Share of a promised count that may be missing: a broken mesh can withhold the last points."""
+
+Seed: TypeAlias = "int | np.random.SeedSequence | np.random.Generator | None"
 
 
 class Registry:
@@ -36,20 +45,40 @@ class Registry:
         Packages whose files are plug-ins; names that begin with an underscore are not.
     group : str, optional
         Entry point group that adds plug-ins from other distributions.
+
+    Attributes
+    ----------
+    notes : tuple of str
+        Which plug-ins of other distributions were left out, and why: they are broken, or take a name that is
+        taken. Filled when the names are first asked for.
     """
 
     def __init__(self, kind: str, packages: tuple[str, ...], group: str = "") -> None:
         self.kind = kind
         self._packages = packages
         self._group = group
+        self.notes: tuple[str, ...] = ()
 
     @cached_property
-    def _modules(self) -> dict[str, str]:
-        """Plug-in name -> dotted module name."""
-        found = {p.stem: f"{package}.{p.stem}" for package in self._packages for p in _files(package)}
-        if self._group:
-            found |= {e.name: e.module for e in entry_points(group=self._group)}
+    def _modules(self) -> dict[str, _Home]:
+        """Plug-in name -> where it lives."""
+        own = [(path.stem, package) for package in self._packages for path in _files(package)]
+        homes = [(name, _Home(f"{package}.{name}", package)) for name, package in own]
+        homes += [(e.name, self._guest(e)) for e in sorted(entry_points(group=self._group or "none"))]
+        found: dict[str, _Home] = {}
+        for name, home in homes:
+            if name in found:
+                taken = f"the name is taken by {found[name].origin}"
+                self.notes += (f"The {self.kind} {name!r} of {home.origin} is left out: {taken}.",)
+            elif home.fault:
+                self.notes += (f"The {self.kind} {name!r} of {home.origin} is left out: {home.fault}.",)
+            else:
+                found[name] = home
         return dict(sorted(found.items()))
+
+    def origin(self, name: str) -> str:
+        """The package or the distribution that a plug-in comes from."""
+        return self._home(name).origin
 
     def names(self) -> tuple[str, ...]:
         """Every registered name, sorted."""
@@ -71,13 +100,17 @@ class Registry:
         Unavailable
             The file needs a package that is not installed.
         """
-        dotted = self._dotted(name)
+        home = self._home(name)
         try:
-            return import_module(dotted)
-        except ImportError as error:
+            module = import_module(home.module)
+        except (Exception, SystemExit) as error:
+            reason = str(error) if isinstance(error, ImportError) else f"{type(error).__name__}: {error}"
             raise Unavailable(
-                f"{self.kind} {name!r} cannot be loaded: {error}.{self._remedy(name)}"
+                f"The {self.kind} {name!r} of {home.origin} cannot be loaded: {reason}.{self._remedy(name)}"
             ) from error
+        if not callable(getattr(module, name, None)):
+            raise Unavailable(f"The {self.kind} {name!r} of {home.origin} has no function of that name.")
+        return module
 
     def get(self, name: str) -> Callable[..., Any]:
         """Import a plug-in and return its function; raises as `module` does."""
@@ -93,12 +126,8 @@ class Registry:
 
     def traits(self, name: str) -> Traits:
         """What the method needs, loses and promises, without importing it."""
-        for node in self._tree(name).body:
-            if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "TRAITS":
-                call = node.value
-                if not isinstance(call, ast.Call):
-                    break
-                return Traits(**{str(k.arg): ast.literal_eval(k.value) for k in call.keywords})
+        if (traits := _traits(self._tree(name))) is not None:
+            return traits
         raise InputError(f"{self.kind} {name!r} has no line 'TRAITS = Traits(...)'; add one to its file.")
 
     def missing(self, name: str) -> str:
@@ -112,7 +141,7 @@ class Registry:
 
     def path(self, name: str) -> Path:
         """The file of a plug-in, found without importing it."""
-        spec = find_spec(self._dotted(name))
+        spec = find_spec(self._home(name).module)
         if spec is None or spec.origin is None:
             raise Unavailable(f"The file of {self.kind} {name!r} cannot be found; reinstall its package.")
         return Path(spec.origin)
@@ -121,12 +150,33 @@ class Registry:
         """Import a plug-in and return its settings with their defaults, read from the signature."""
         parameters = inspect.signature(self.get(name)).parameters.values()
         return {
-            p.name: p.default
+            p.name: None if p.default is p.empty else p.default
             for p in parameters
-            if p.kind is p.KEYWORD_ONLY and p.name not in _RESERVED and p.default is not p.empty
+            if p.kind is p.KEYWORD_ONLY and p.name not in _RESERVED
         }
 
-    def _dotted(self, name: str) -> str:
+    def check_settings(self, name: str, settings: Mapping[str, Any]) -> None:
+        """Raise an `UnknownName` for a setting that the method does not have."""
+        known = self.settings(name)
+        for setting in settings:
+            if setting not in known:
+                raise UnknownName(f"setting of {name}", setting, known)
+
+    def _guest(self, entry: EntryPoint) -> _Home:
+        """The home of another distribution's plug-in; its text is read, so that a broken one ends nothing."""
+        origin = f"the package {entry.dist.name}" if entry.dist else "another package"
+        try:
+            spec = find_spec(entry.module)
+            if spec is None or spec.origin is None:
+                return _Home(entry.module, origin, f"there is no module {entry.module}")
+            tree = ast.parse(Path(spec.origin).read_bytes())
+            if self.kind == "method" and _traits(tree) is None:
+                return _Home(entry.module, origin, "its file has no line 'TRAITS = Traits(...)'")
+        except (Exception, SystemExit) as error:
+            return _Home(entry.module, origin, f"{type(error).__name__}: {error}")
+        return _Home(entry.module, origin)
+
+    def _home(self, name: str) -> _Home:
         if name not in self._modules:
             raise UnknownName(self.kind, name, self._modules)
         return self._modules[name]
@@ -139,6 +189,25 @@ class Registry:
         return ast.parse(self.source(name))
 
 
+@dataclass(frozen=True)
+class _Home:
+    """Where a plug-in lives: its module, the package or distribution, and what is wrong with it."""
+
+    module: str
+    origin: str
+    fault: str = ""
+
+
+def _traits(tree: ast.Module) -> Traits | None:
+    """The literal ``TRAITS = Traits(...)`` of a file."""
+    for node in tree.body:
+        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "TRAITS":
+            if not isinstance(node.value, ast.Call):
+                return None
+            return Traits(**{str(k.arg): ast.literal_eval(k.value) for k in node.value.keywords})
+    return None
+
+
 def _files(package: str) -> list[Path]:
     spec = find_spec(package)
     folders = spec.submodule_search_locations if spec else None
@@ -147,4 +216,193 @@ def _files(package: str) -> list[Path]:
 
 
 METHODS = Registry("method", ("lpcompare.methods", "lpcompare_baselines"), "lpcompare.methods")
-METRICS = Registry("metric", ("lpcompare.metrics",))
+METRICS = Registry("metric", ("lpcompare.metrics",), "lpcompare.metrics")
+
+
+class Invocation:
+    """One method with its settings, about to be called on one cloud.
+
+    The three steps are apart, so that a harness can time them: `calibrate`, `call`, `verify`.
+
+    Parameters
+    ----------
+    name : str
+        A registered method.
+    cloud : PointCloud
+        Clean: float64 coordinates of shape (n, 3), all finite; it is never changed.
+    target_count : int
+        Points to keep.
+    random_state : int, SeedSequence, Generator or None
+        Seed of every random draw. Calibration and call begin with the same state, unless it is a generator.
+    settings : mapping, optional
+        Settings of the method.
+    callback : callable, optional
+        Called with (stage, done, total) by the methods that report their progress.
+
+    Raises
+    ------
+    UnknownName
+        There is no such method or setting.
+    Unavailable
+        The method needs a package that is not installed.
+    InputError
+        The count is not from 1 to n.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        cloud: PointCloud,
+        target_count: int,
+        *,
+        random_state: Seed = 0,
+        settings: Mapping[str, Any] | None = None,
+        callback: Callable[[str, int, int], None] | None = None,
+    ) -> None:
+        self.name, self.cloud, self.target_count = name, cloud, target_count
+        self.module, self.traits = METHODS.module(name), METHODS.traits(name)
+        self.settings = dict(settings or {})
+        METHODS.check_settings(name, self.settings)
+        if not 1 <= target_count <= len(cloud):
+            raise InputError(f"target_count is {target_count}; it must be from 1 to the {len(cloud)} points.")
+        self._exact = self.traits.exact_count and not self.settings
+        self._random_state, self._callback = random_state, callback
+
+    @property
+    def has_calibration(self) -> bool:
+        """Whether the method searches for a setting that gives the count."""
+        return hasattr(self.module, "calibrate")
+
+    def calibrate(self) -> None:
+        """Search for the settings that give the count, if the method has such a search."""
+        if self.has_calibration:
+            self.settings = self._apply(self.module.calibrate) | self.settings
+
+    def call(self) -> Simplification:
+        """What the method returns, not yet verified."""
+        return self._apply(getattr(self.module, self.name))
+
+    def verify(self, result: object, before: PointCloud) -> str:
+        """Check count, subset, finiteness, and that the input is as it was.
+
+        Parameters
+        ----------
+        result : object
+            What the method returned.
+        before : PointCloud
+            A copy of the input from before the call.
+
+        Returns
+        -------
+        str
+            A word on up to 1 % fewer points than promised; empty where there is none.
+
+        Raises
+        ------
+        MethodError
+            The method broke a promise of its traits.
+        """
+        if fault := self._input_fault(before) or self._count_fault(result) or self._row_fault(result, before):
+            raise MethodError(f"{self.name}: {fault}")
+        n_kept = len(result)  # type: ignore[arg-type]
+        if self._exact and n_kept < self.target_count:
+            return f"The method returned {n_kept} points and promises exactly {self.target_count}."
+        return ""
+
+    def effective_settings(self) -> dict[str, Any]:
+        """Every setting as it is used: the defaults, what calibration found, what was given."""
+        return METHODS.settings(self.name) | self.settings
+
+    def _input_fault(self, before: PointCloud) -> str:
+        import numpy as np
+
+        parts = ("points", "normals", "faces")
+        pairs = [(getattr(before, part), getattr(self.cloud, part)) for part in parts]
+        same = all(a is None or np.array_equal(a, b, equal_nan=True) for a, b in pairs)
+        return "" if same else "The method changed its input."
+
+    def _count_fault(self, result: object) -> str:
+        import numpy as np
+
+        if not isinstance(result, Simplification):
+            return f"The method returned a {type(result).__name__}, not a Simplification."
+        points, given, target = result.points, len(self.cloud), self.target_count
+        if not isinstance(points, np.ndarray) or points.ndim != 2 or points.shape[1] != 3:
+            return f"The points have shape {np.shape(points)}; it must be (m, 3)."
+        if len(points) == 0:
+            return "The method returned no points."
+        if len(points) > given:
+            return f"The method returned {len(points)} points, more than the {given} that it was given."
+        if self._exact and not (1 - _FORGIVEN) * target <= len(points) <= target:
+            return f"The method returned {len(points)} points and promises exactly {target}."
+        return ""
+
+    def _row_fault(self, result: Any, before: PointCloud) -> str:
+        import numpy as np
+
+        if result.points.dtype != np.float64:
+            return f"The points are {result.points.dtype}; they must be float64."
+        bad = int((~np.isfinite(result.points).all(axis=1)).sum())
+        if bad:
+            return f"{bad} of the {len(result)} points returned are NaN or infinite."
+        if result.indices is None:
+            return "The method names no rows and promises a subset." if self.traits.keeps_indices else ""
+        return self._index_fault(result, before)
+
+    def _index_fault(self, result: Simplification, before: PointCloud) -> str:
+        import numpy as np
+
+        indices = np.asarray(result.indices)
+        if indices.shape != (len(result),) or indices.dtype.kind != "i":
+            wanted = f"({len(result)},) integers"
+            return f"The indices are {indices.dtype} of shape {indices.shape}; they must be {wanted}."
+        if indices[0] < 0 or indices[-1] >= len(before) or (np.diff(indices) <= 0).any():
+            return "The indices are not ascending, distinct rows of the input."
+        if not np.array_equal(result.points, before.points[indices]):
+            return "The points are not the rows of the input that the indices name."
+        return ""
+
+    def _apply(self, function: Callable[..., Any]) -> Any:
+        import numpy as np
+
+        parameters = inspect.signature(function).parameters
+        offered = {"cloud": self.cloud, "callback": self._callback} | self.settings
+        chosen = {key: value for key, value in offered.items() if key in parameters}
+        rng = np.random.default_rng(self._random_state)
+        return function(self.cloud.points, self.target_count, rng=rng, **chosen)
+
+
+def call(
+    name: str,
+    cloud: PointCloud,
+    target_count: int,
+    *,
+    random_state: Seed = 0,
+    settings: Mapping[str, Any] | None = None,
+    callback: Callable[[str, int, int], None] | None = None,
+) -> Simplification:
+    """Call a method: calibrate it, call it, verify what it returns; parameters and errors of `Invocation`.
+
+    Returns
+    -------
+    Simplification
+        With the method's name, its settings and the seconds of the call and of the calibration.
+    """
+    invocation = Invocation(
+        name, cloud, target_count, random_state=random_state, settings=settings, callback=callback
+    )
+    before = replace(cloud, points=cloud.points.copy())
+    begin = perf_counter()
+    invocation.calibrate()
+    calibrated = perf_counter()
+    result = invocation.call()
+    end = perf_counter()
+    note = invocation.verify(result, before)
+    return replace(
+        result,
+        method=name,
+        settings=invocation.effective_settings(),
+        runtime_s=end - calibrated,
+        calibration_s=calibrated - begin if invocation.has_calibration else None,
+        note=note,
+    )

@@ -52,6 +52,39 @@ class PointCloud:
     def __len__(self) -> int:
         return len(self.points)
 
+    def __repr__(self) -> str:
+        parts = [f"{len(self)} points"]
+        parts += [n for n in ("normals", "colors") if getattr(self, n) is not None]
+        parts += [f"{len(self.faces)} faces"] if self.faces is not None else []
+        parts += [f"attributes {', '.join(self.attributes)}"] if self.attributes else []
+        return f"PointCloud({self.name!r}: {'; '.join(parts)})"
+
+    def take(self, rows: Indices | Mask) -> PointCloud:
+        """The cloud of some of the points: everything but the faces follows.
+
+        Parameters
+        ----------
+        rows : ndarray of int or bool, shape (m,) or (n,)
+
+        Returns
+        -------
+        PointCloud
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> cloud = PointCloud(np.eye(3), attributes={"id": np.array([7, 8, 9])})
+        >>> cloud.take(np.array([0, 2])).attributes["id"]
+        array([7, 9])
+        """
+        return PointCloud(
+            self.points[rows],
+            normals=None if self.normals is None else self.normals[rows],
+            colors=None if self.colors is None else self.colors[rows],
+            attributes={name: values[rows] for name, values in self.attributes.items()},
+            name=self.name,
+        )
+
 
 @dataclass(frozen=True, eq=False)
 class Simplification:
@@ -67,15 +100,33 @@ class Simplification:
         Seconds per stage.
     info : mapping of str to Any
         What else the method has to say; the keys are the method's own.
+    method : str
+        Registered name; `lpcompare.registry.call` fills in this and what follows.
+    settings : mapping of str to Any
+        Every setting as it was used, calibrated ones among them.
+    runtime_s, calibration_s : float or None
+        Seconds of the call, and of the search for a setting that gives the count before it.
+    note : str
+        A word on a result that is not all that was promised.
     """
 
     points: Points
     indices: Indices | None = None
     timings: Mapping[str, float] = field(default_factory=dict)
     info: Mapping[str, Any] = field(default_factory=dict)
+    method: str = ""
+    settings: Mapping[str, Any] = field(default_factory=dict)
+    runtime_s: float | None = None
+    calibration_s: float | None = None
+    note: str = ""
 
     def __len__(self) -> int:
         return len(self.points)
+
+    def __repr__(self) -> str:
+        kind = "new points" if self.indices is None else "points of the input"
+        seconds = "" if self.runtime_s is None else f", {self.runtime_s:.3g} s"
+        return f"Simplification({self.method or 'method'}: {len(self)} {kind}{seconds})"
 
 
 @dataclass(frozen=True)
@@ -108,6 +159,9 @@ class Traits:
         ``info["order"]``, the rank of each kept point, shape (m,).
     reading : bool
         The original could not be read; the file implements what other sources say of it.
+    own_process : bool
+        The wrapped library keeps a random state that nobody can seed: the same seed gives the same points
+        only in a fresh process, so that `lpcompare.simplify` starts one.
     requires : tuple of str
         Importable modules that must be present.
     extra : str
@@ -124,6 +178,7 @@ class Traits:
     exact_count: bool = True
     progressive: bool = False
     reading: bool = False
+    own_process: bool = False
     requires: tuple[str, ...] = ()
     extra: str = ""
 

@@ -47,7 +47,7 @@ def load_models(names: Iterable[str]) -> dict[str, PointCloud]:
 
     clouds = {name: load_model(name) for name in names}
     for name, cloud in clouds.items():
-        check_cloud(cloud, name)
+        check_points(cloud, name)
     titles = [cloud.name for cloud in clouds.values()]
     for title in titles:
         if titles.count(title) > 1:
@@ -55,7 +55,7 @@ def load_models(names: Iterable[str]) -> dict[str, PointCloud]:
     return clouds
 
 
-def check_cloud(cloud: PointCloud, name: str) -> None:
+def check_points(cloud: PointCloud, name: str) -> None:
     """Refuse a cloud that methods cannot work on; raises `InputError`."""
     points = cloud.points
     if points.ndim != 2 or points.shape[1] != 3:

@@ -7,11 +7,6 @@ import numpy as np
 from lpcompare.types import Indices
 
 
-def target_from_reduction(n_points: int, reduction: float) -> int:
-    """Points kept: floor((1 - reduction) n), rounded to nine digits first, at least one."""
-    return max(1, int(np.floor(round((1.0 - reduction) * n_points, 9))))
-
-
 def allocate_budget(total: int, sizes: Indices) -> Indices:
     """Share ``total`` among clusters in proportion to their sizes, by largest remainder.
 

@@ -10,9 +10,9 @@ from sklearn.base import BaseEstimator
 
 from lpcompare.checks import (
     check_choice,
-    check_cloud,
     check_integer,
     check_number,
+    check_points,
     check_seed,
     check_solver,
     check_target,
@@ -82,7 +82,7 @@ def simplify(
     >>> len(lpcompare.simplify(cloud, target_reduction=0.9))
     50
     """
-    cloud = check_cloud(points)
+    cloud = check_points(points)
     reduce = _reducer(cloud, check_choice("method", method, METHODS + UNIFORM_METHODS), settings)
     if max_error is None:
         return reduce(check_target(len(cloud), target_reduction, target_count))
@@ -210,7 +210,7 @@ class LPSimplifier(BaseEstimator):
         LPSimplifier
             Itself, fitted.
         """
-        points = check_cloud(X)
+        points = check_points(X)
         target_count = check_target(len(points), self.target_reduction, self.target_count)
         self._check_settings()
         rng = check_seed(self.random_state)
@@ -253,7 +253,7 @@ class LPSimplifier(BaseEstimator):
 
     def responsibilities(self, X: Any) -> np.ndarray:
         """Membership probabilities P(c | x_i) of eq. 1 under the fitted mixture, shape (n, K)."""
-        return self.mixture_.responsibilities(check_cloud(X))
+        return self.mixture_.responsibilities(check_points(X))
 
     def _check_settings(self) -> None:
         check_choice("method", self.method, METHODS)

@@ -3,7 +3,8 @@
 Records are paired by model, damage, variant, reduction, seed and repeat. Runtimes are compared in units of
 the reference work that each child process did around its call (`lpcompare.benchmark.timing`), so that a
 machine that was busy in one run does not make every method look slower. A difference is called one only
-when its p-value, adjusted for the number of methods (Holm), is below 5 %; of runtimes, only beyond a margin as well.
+when its p-value, adjusted for the number of methods (Holm), is below 5 %; of runtimes, only beyond a margin
+as well.
 Where the machine was busy in either run, runtimes are not judged at all: a program on the other processor
 slows some methods by a third and others not, and processor time is no refuge from it.
 """

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from lpcompare.benchmark.perturbation import Perturbation, perturb
+from lpcompare.checks import target_from_reduction
 from lpcompare.metrics.comparison import Comparison
-from lpcompare.paper.budget import target_from_reduction
 from lpcompare.paper.simplifier import LPSimplifier
 from lpcompare.registry import METHODS
 from lpcompare.reproduction.holes import describe_holes

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
+from lpcompare.checks import target_from_reduction
 from lpcompare.metrics.comparison import Comparison
-from lpcompare.paper.budget import target_from_reduction
 from lpcompare.paper.simplifier import LPSimplifier
 from lpcompare.registry import METHODS
 from lpcompare.report.projections import draw_cloud, draw_mesh, triangulate

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from lpcompare.checks import check_cloud, check_integer, check_number, check_target
+from lpcompare.checks import check_integer, check_number, check_points, check_target
 from lpcompare.geometry.scale import normalize
 from lpcompare.paper.cluster_count import AUTO, ClusterCountSetting, check_n_clusters, choose_n_clusters
 from lpcompare.paper.clustering import cluster_points
@@ -54,7 +54,7 @@ def simplify_uniformly(
     SolverError
         The solver ended without a selection.
     """
-    cloud = check_cloud(points)
+    cloud = check_points(points)
     n_keep = check_target(len(cloud), target_reduction, target_count)
     return UniformReducer(cloud, **settings).reduce(n_keep)
 

@@ -9,8 +9,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from lpcompare.checks import target_from_reduction
 from lpcompare.errors import SolverError
-from lpcompare.paper.budget import allocate_budget, split_budget, target_from_reduction
+from lpcompare.paper.budget import allocate_budget, split_budget
 from lpcompare.paper.certificate import TOLERANCE, DensityGoal, certify
 from lpcompare.paper.density import cluster_density, inverse_distance_costs
 from lpcompare.paper.highs import Canonical

@@ -187,7 +187,7 @@ def test_an_interrupt_leaves_no_thread_behind(monkeypatch, stage):
 
 SLOW = """
 import numpy as np
-from lpcompare.paper import certificate, enumeration, selection
+from lpcompare.paper import certificate, enumeration, program
 import lpcompare
 # no selection is good enough and none is counted: HiGHS has to search until it is stopped
 certificate.TOLERANCE = program.TOLERANCE = 1e-14
