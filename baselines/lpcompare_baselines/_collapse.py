@@ -7,13 +7,11 @@ from numpy.typing import NDArray
 
 from lpcompare.types import PointCloud, Points
 from lpcompare_baselines._faces import faces_of, search_n_faces
-from lpcompare_baselines._guards import check
 from lpcompare_baselines._meshlab import mesh_set
 
 
 def search_faces(points: Points, target_count: int, cloud: PointCloud | None, *, optimal: bool) -> int:
     """Number of faces that leaves ``target_count`` points; raises as `collapse` does."""
-    check(points, target_count)
     faces = faces_of(cloud, target_count)
 
     def count(n_faces: int) -> int:
@@ -23,7 +21,7 @@ def search_faces(points: Points, target_count: int, cloud: PointCloud | None, *,
 
 
 def collapse(
-    points: Points, target_count: int, cloud: PointCloud | None, n_faces: int | None, *, optimal: bool
+    points: Points, target_count: int, cloud: PointCloud | None, n_faces: int, *, optimal: bool
 ) -> Points:
     """Points left, shape (m, 3), about the bounding box's centre of the input.
 
@@ -34,10 +32,7 @@ def collapse(
     InputError
         The points, the count or the faces cannot be worked on.
     """
-    check(points, target_count)
     faces = faces_of(cloud, target_count)
-    if n_faces is None:
-        n_faces = search_faces(points, target_count, cloud, optimal=optimal)
     return _collapsed(points, faces, n_faces, optimal)
 
 

@@ -4,25 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from lpcompare.errors import InputError, NotApplicable
+from lpcompare.errors import NotApplicable
 from lpcompare.types import Points
 from lpcompare_baselines._cells import grid_cells, n_occupied
-
-
-def check(points: Points, target_count: int) -> None:
-    """Refuse a cloud or a count that cannot be worked on; MeshLab hangs on some of them.
-
-    Raises
-    ------
-    InputError
-        The cloud is empty or holds NaN or infinity, or the count is not from 1 to n.
-    """
-    if len(points) == 0 or not np.isfinite(points).all():
-        raise InputError("The cloud is empty or has NaN or infinite coordinates; remove those points first.")
-    if not 1 <= target_count <= len(points):
-        raise InputError(
-            f"target_count is {target_count}; it must be from 1 to the {len(points)} points given."
-        )
 
 
 def check_distinct(points: Points, target_count: int) -> None:

@@ -11,7 +11,7 @@ from CGAL.CGAL_Point_set_processing_3 import grid_simplify_point_set  # pyright:
 from lpcompare.types import Indices, Points, Simplification, Traits
 from lpcompare_baselines._calibration import search_size, surface_spacing
 from lpcompare_baselines._cgal import MOST_CALLS, point_set, rows_of
-from lpcompare_baselines._guards import check, check_distinct
+from lpcompare_baselines._guards import check_distinct
 
 TRAITS = Traits(
     wraps="CGAL grid_simplify_point_set",
@@ -25,7 +25,6 @@ TRAITS = Traits(
 
 def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) -> dict[str, float]:
     """Cell size, in model units, that gives about ``target_count`` points; raises as the method does."""
-    check(points, target_count)
     check_distinct(points, target_count)
     start = surface_spacing(points, target_count)
 
@@ -36,7 +35,7 @@ def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) ->
 
 
 def cgal_grid(
-    points: Points, target_count: int, *, rng: np.random.Generator, cell_size: float | None = None
+    points: Points, target_count: int, *, rng: np.random.Generator, cell_size: float
 ) -> Simplification:
     """Keep one point of each occupied cell.
 
@@ -47,17 +46,14 @@ def cgal_grid(
         From 1 to the number of distinct points.
     rng : numpy.random.Generator
         Not used: the method is deterministic.
-    cell_size : float, optional
-        Edge of a cell in model units; by default the one that `calibrate` finds.
+    cell_size : float
+        Edge of a cell in model units; `calibrate` finds it.
 
     Returns
     -------
     Simplification
         A subset of the input.
     """
-    check(points, target_count)
-    if cell_size is None:
-        cell_size = calibrate(points, target_count, rng=rng)["cell_size"]
     indices = _grid(points, cell_size)
     return Simplification(points[indices], indices)
 

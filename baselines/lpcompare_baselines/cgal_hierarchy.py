@@ -14,7 +14,7 @@ from CGAL.CGAL_Point_set_processing_3 import hierarchy_simplify_point_set  # pyr
 from lpcompare.types import Indices, Points, Simplification, Traits
 from lpcompare_baselines._calibration import search_size
 from lpcompare_baselines._cgal import MOST_CALLS, point_set, rows_of
-from lpcompare_baselines._guards import check, check_distinct
+from lpcompare_baselines._guards import check_distinct
 
 TRAITS = Traits(
     wraps="CGAL hierarchy_simplify_point_set",
@@ -38,7 +38,6 @@ def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) ->
     NotApplicable
         Fewer distinct points exist than are asked for.
     """
-    check(points, target_count)
     check_distinct(points, target_count)
 
     def count(variation: float) -> int:
@@ -49,7 +48,7 @@ def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) ->
 
 
 def cgal_hierarchy(
-    points: Points, target_count: int, *, rng: np.random.Generator, max_variation: float | None = None
+    points: Points, target_count: int, *, rng: np.random.Generator, max_variation: float
 ) -> Simplification:
     """Keep the point nearest to the mean of each cluster.
 
@@ -60,17 +59,14 @@ def cgal_hierarchy(
         From 1 to the number of distinct points.
     rng : numpy.random.Generator
         Not used: the method is deterministic.
-    max_variation : float, optional
-        Largest surface variation of a cluster; by default the one that `calibrate` finds.
+    max_variation : float
+        Largest surface variation of a cluster; `calibrate` finds it.
 
     Returns
     -------
     Simplification
         A subset of the input.
     """
-    check(points, target_count)
-    if max_variation is None:
-        max_variation = calibrate(points, target_count, rng=rng)["max_variation"]
     indices = _hierarchy(points, target_count, max_variation)
     return Simplification(points[indices], indices)
 

@@ -11,7 +11,6 @@ from CGAL.CGAL_Point_set_processing_3 import random_simplify_point_set  # pyrigh
 
 from lpcompare.types import Points, Simplification, Traits
 from lpcompare_baselines._cgal import point_set, rows_of
-from lpcompare_baselines._guards import check
 
 TRAITS = Traits(
     wraps="CGAL random_simplify_point_set",
@@ -38,7 +37,6 @@ def cgal_random(points: Points, target_count: int, *, rng: np.random.Generator) 
     Simplification
         A subset of the input.
     """
-    check(points, target_count)
     order = rng.permutation(len(points))
     cloud = point_set(points[order])
     random_simplify_point_set(cloud, 100 * max(len(points) - target_count, 0) / len(points))

@@ -13,7 +13,7 @@ from lpcompare.errors import NotApplicable
 from lpcompare.geometry.scale import bounding_box_center
 from lpcompare.types import Points, Simplification, Traits
 from lpcompare_baselines._cgal import point_set
-from lpcompare_baselines._guards import check, check_distinct
+from lpcompare_baselines._guards import check_distinct
 
 TRAITS = Traits(
     wraps="CGAL wlop_simplify_and_regularize_point_set",
@@ -48,7 +48,6 @@ def cgal_wlop(points: Points, target_count: int, *, rng: np.random.Generator) ->
     NotApplicable
         Fewer distinct points exist than are asked for, or the projection leaves the numbers.
     """
-    check(points, target_count)
     check_distinct(points, target_count)
     moved = Point_set_3()
     percentage = 100 * (target_count + 0.5) / len(points)

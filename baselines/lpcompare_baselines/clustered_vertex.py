@@ -12,7 +12,7 @@ import numpy as np
 from lpcompare.types import Points, Simplification, Traits
 from lpcompare_baselines._calibration import search_size, surface_spacing
 from lpcompare_baselines._cells import meshlab_cells, n_occupied
-from lpcompare_baselines._guards import check, check_distinct, check_resolved
+from lpcompare_baselines._guards import check_distinct, check_resolved
 from lpcompare_baselines._meshlab import centred, finest_length, length, mesh_set
 
 TRAITS = Traits(
@@ -31,7 +31,6 @@ def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) ->
     NotApplicable
         Fewer points are apart than are asked for.
     """
-    check(points, target_count)
     check_distinct(points, target_count)
     check_resolved(points, target_count, finest_length(points))
     start = surface_spacing(points, target_count)
@@ -40,7 +39,7 @@ def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) ->
 
 
 def clustered_vertex(
-    points: Points, target_count: int, *, rng: np.random.Generator, cell_size: float | None = None
+    points: Points, target_count: int, *, rng: np.random.Generator, cell_size: float
 ) -> Simplification:
     """Keep the most central point of each occupied cell.
 
@@ -51,17 +50,14 @@ def clustered_vertex(
         From 1 to n.
     rng : numpy.random.Generator
         Not used: the method is deterministic.
-    cell_size : float, optional
-        Edge of a cell in model units; by default the one that `calibrate` finds.
+    cell_size : float
+        Edge of a cell in model units; `calibrate` finds it.
 
     Returns
     -------
     Simplification
         A subset of the input, as many points as cells are occupied.
     """
-    check(points, target_count)
-    if cell_size is None:
-        cell_size = calibrate(points, target_count, rng=rng)["cell_size"]
     meshes = mesh_set(points)
     meshes.generate_sampling_clustered_vertex(
         threshold=length(cell_size, points), sampling="Closest to center"

@@ -11,7 +11,6 @@ import numpy as np
 from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.geometry.planes import fit_planes
 from lpcompare.types import Points, Simplification, Traits, Vector
-from lpcompare_baselines._guards import check
 
 TRAITS = Traits(
     wraps="numpy, scipy.spatial.KDTree",
@@ -48,7 +47,6 @@ def curvature_sample(
     Simplification
         A subset of the input.
     """
-    check(points, target_count)
     variation = _surface_variation(points, n_neighbors)
     weights = variation + (floor * variation.mean() or 1.0)
     # Efraimidis and Spirakis 2006: the smallest exponential waiting times are such a draw

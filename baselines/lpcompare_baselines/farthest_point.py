@@ -11,7 +11,6 @@ import numpy as np
 
 from lpcompare.types import Points, Simplification, Traits
 from lpcompare_baselines._buckets import farthest_points
-from lpcompare_baselines._guards import check
 
 TRAITS = Traits(
     wraps="numpy",
@@ -37,6 +36,5 @@ def farthest_point(points: Points, target_count: int, *, rng: np.random.Generato
     Simplification
         A subset of the input.
     """
-    check(points, target_count)
     indices = np.sort(farthest_points(points, target_count, int(rng.integers(len(points)))))
     return Simplification(points[indices], indices)

@@ -10,7 +10,7 @@ import numpy as np
 from lpcompare.geometry.scale import bounding_box_center
 from lpcompare.types import Points, Simplification, Traits
 from lpcompare_baselines._faces import rows_at
-from lpcompare_baselines._guards import check, check_distinct
+from lpcompare_baselines._guards import check_distinct
 from lpcompare_baselines._open3d import point_cloud, points_of
 
 TRAITS = Traits(
@@ -44,7 +44,6 @@ def open3d_farthest_point(points: Points, target_count: int, *, rng: np.random.G
     NotApplicable
         Fewer distinct points exist than are asked for.
     """
-    check(points, target_count)
     check_distinct(points, target_count)
     first = int(rng.integers(len(points)))
     kept = points_of(point_cloud(points).farthest_point_down_sample(target_count, first))

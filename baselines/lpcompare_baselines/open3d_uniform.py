@@ -10,7 +10,6 @@ import numpy as np
 from lpcompare.geometry.scale import bounding_box_center
 from lpcompare.types import Points, Simplification, Traits
 from lpcompare_baselines._faces import rows_at
-from lpcompare_baselines._guards import check
 from lpcompare_baselines._open3d import point_cloud, points_of
 
 TRAITS = Traits(
@@ -43,7 +42,6 @@ def open3d_uniform(
     Simplification
         A subset of the input; Open3D names no rows, so they are found by their positions.
     """
-    check(points, target_count)
     n = len(points)
     if every is None:
         low = max(n // target_count, 1)

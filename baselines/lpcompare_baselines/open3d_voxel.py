@@ -10,7 +10,7 @@ import numpy as np
 from lpcompare.geometry.scale import bounding_box_center, bounding_box_diagonal
 from lpcompare.types import Points, Simplification, Traits
 from lpcompare_baselines._calibration import search_size, surface_spacing
-from lpcompare_baselines._guards import check, check_distinct
+from lpcompare_baselines._guards import check_distinct
 from lpcompare_baselines._open3d import point_cloud, points_of
 
 TRAITS = Traits(
@@ -30,7 +30,6 @@ _FINEST = 1e-6
 
 def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) -> dict[str, float]:
     """Edge of a cube, in model units, that gives about ``target_count`` points; raises as the method does."""
-    check(points, target_count)
     check_distinct(points, target_count)
     cloud, smallest = point_cloud(points), _FINEST * (bounding_box_diagonal(points) or 1.0)
 
@@ -42,7 +41,7 @@ def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) ->
 
 
 def open3d_voxel(
-    points: Points, target_count: int, *, rng: np.random.Generator, cell_size: float | None = None
+    points: Points, target_count: int, *, rng: np.random.Generator, cell_size: float
 ) -> Simplification:
     """Replace the points of each occupied cube by their mean.
 
@@ -53,16 +52,13 @@ def open3d_voxel(
         From 1 to the number of distinct points.
     rng : numpy.random.Generator
         Not used: the method is deterministic.
-    cell_size : float, optional
-        Edge of a cube in model units; by default the one that `calibrate` finds.
+    cell_size : float
+        Edge of a cube in model units; `calibrate` finds it.
 
     Returns
     -------
     Simplification
         New points, as many as cubes are occupied.
     """
-    check(points, target_count)
-    if cell_size is None:
-        cell_size = calibrate(points, target_count, rng=rng)["cell_size"]
     kept = points_of(point_cloud(points).voxel_down_sample(cell_size))
     return Simplification(kept + bounding_box_center(points))

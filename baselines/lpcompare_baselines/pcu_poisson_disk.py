@@ -11,7 +11,7 @@ import point_cloud_utils
 
 from lpcompare.geometry.scale import bounding_box_center
 from lpcompare.types import Points, Simplification, Traits
-from lpcompare_baselines._guards import check, check_distinct
+from lpcompare_baselines._guards import check_distinct
 
 TRAITS = Traits(
     wraps="point_cloud_utils.downsample_point_cloud_poisson_disk",
@@ -51,7 +51,6 @@ def pcu_poisson_disk(
     NotApplicable
         Fewer distinct points exist than are asked for.
     """
-    check(points, target_count)
     check_distinct(points, target_count)
     rows = point_cloud_utils.downsample_point_cloud_poisson_disk(
         points - bounding_box_center(points),

@@ -13,8 +13,8 @@ import numpy as np
 
 from lpcompare.types import Indices, Points, Simplification, Traits
 from lpcompare_baselines._calibration import surface_spacing
-from lpcompare_baselines._draws import draw_seed, point_order, search_draw
-from lpcompare_baselines._guards import check, check_distinct, check_resolved
+from lpcompare_baselines._draws import point_order, search_draw
+from lpcompare_baselines._guards import check_distinct, check_resolved
 from lpcompare_baselines._meshlab import finest_length, length, mesh_set, rows_of
 
 TRAITS = Traits(
@@ -34,7 +34,6 @@ def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) ->
     NotApplicable
         Fewer points are apart than are asked for.
     """
-    check(points, target_count)
     check_distinct(points, target_count)
     check_resolved(points, target_count, finest_length(points))
     start = surface_spacing(points, target_count)
@@ -51,8 +50,8 @@ def poisson_disk(
     target_count: int,
     *,
     rng: np.random.Generator,
-    radius: float | None = None,
-    order_seed: int | None = None,
+    radius: float,
+    order_seed: int,
 ) -> Simplification:
     """Keep a maximal set of points that are ``radius`` apart.
 
@@ -63,9 +62,9 @@ def poisson_disk(
         From 1 to the number of distinct points.
     rng : numpy.random.Generator
         Draws ``order_seed``; in a fresh process the same seed gives the same points.
-    radius : float, optional
-        In model units; by default the one that `calibrate` finds.
-    order_seed : int, optional
+    radius : float
+        In model units; `calibrate` finds it.
+    order_seed : int
         Seed of the order in which MeshLab sees the points; by default drawn from ``rng``.
 
     Returns
@@ -78,10 +77,7 @@ def poisson_disk(
     NotApplicable
         Fewer distinct points exist than are asked for.
     """
-    check(points, target_count)
-    if radius is None:
-        return poisson_disk(points, target_count, rng=rng, **calibrate(points, target_count, rng=rng))
-    indices = _sample(points, radius, draw_seed(rng) if order_seed is None else order_seed)
+    indices = _sample(points, radius, order_seed)
     return Simplification(points[indices], indices)
 
 

@@ -35,7 +35,7 @@ def quadric_collapse(
     *,
     rng: np.random.Generator,
     cloud: PointCloud | None = None,
-    n_faces: int | None = None,
+    n_faces: int,
 ) -> Simplification:
     """Collapse edges, the least quadric error first, with optimal placement.
 
@@ -48,8 +48,8 @@ def quadric_collapse(
         Not used: the method is deterministic.
     cloud : PointCloud
         The same points with their faces.
-    n_faces : int, optional
-        Faces to keep; by default the number that `calibrate` finds.
+    n_faces : int
+        Faces to keep; `calibrate` finds it.
 
     Returns
     -------

@@ -34,7 +34,7 @@ def quadric_collapse_subset(
     *,
     rng: np.random.Generator,
     cloud: PointCloud | None = None,
-    n_faces: int | None = None,
+    n_faces: int,
 ) -> Simplification:
     """Collapse each edge onto one of its ends, the least quadric error first.
 
@@ -47,8 +47,8 @@ def quadric_collapse_subset(
         Not used: the method is deterministic.
     cloud : PointCloud
         The same points with their faces.
-    n_faces : int, optional
-        Faces to keep; by default the number that `calibrate` finds.
+    n_faces : int
+        Faces to keep; `calibrate` finds it.
 
     Returns
     -------

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from lpcompare.geometry.scale import bounding_box_center
 from lpcompare.types import PointCloud, Points, Simplification, Traits
 from lpcompare_baselines._faces import faces_of, search_n_faces
-from lpcompare_baselines._guards import check
 
 TRAITS = Traits(
     wraps="fast_simplification.simplify",
@@ -30,7 +29,6 @@ def calibrate(
     points: Points, target_count: int, *, rng: np.random.Generator, cloud: PointCloud | None = None
 ) -> dict[str, int]:
     """Number of faces that leaves ``target_count`` points; raises as `quadric_decimation` does."""
-    check(points, target_count)
     faces = faces_of(cloud, target_count)
     return {"n_faces": search_n_faces(lambda n: len(_collapse(points, faces, n)), target_count, len(faces))}
 
@@ -41,7 +39,7 @@ def quadric_decimation(
     *,
     rng: np.random.Generator,
     cloud: PointCloud | None = None,
-    n_faces: int | None = None,
+    n_faces: int,
 ) -> Simplification:
     """Collapse edges, the least quadric error first.
 
@@ -54,8 +52,8 @@ def quadric_decimation(
         Not used: the method is deterministic.
     cloud : PointCloud
         The same points with their faces.
-    n_faces : int, optional
-        Faces to keep; by default the number that `calibrate` finds.
+    n_faces : int
+        Faces to keep; `calibrate` finds it.
 
     Returns
     -------
@@ -69,10 +67,7 @@ def quadric_decimation(
     InputError
         A face names a point that does not exist.
     """
-    check(points, target_count)
     faces = faces_of(cloud, target_count)
-    if n_faces is None:
-        n_faces = calibrate(points, target_count, rng=rng, cloud=cloud)["n_faces"]
     return Simplification(_collapse(points, faces, n_faces) + bounding_box_center(points))
 
 

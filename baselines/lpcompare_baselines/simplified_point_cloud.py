@@ -10,8 +10,8 @@ from __future__ import annotations
 import numpy as np
 
 from lpcompare.types import Indices, Points, Simplification, Traits
-from lpcompare_baselines._draws import draw_seed, point_order, search_draw
-from lpcompare_baselines._guards import check, check_distinct, check_resolved
+from lpcompare_baselines._draws import point_order, search_draw
+from lpcompare_baselines._guards import check_distinct, check_resolved
 from lpcompare_baselines._meshlab import finest_length, mesh_set, rows_of
 
 TRAITS = Traits(
@@ -34,7 +34,6 @@ def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) ->
     NotApplicable
         Fewer points are apart than are asked for.
     """
-    check(points, target_count)
     check_distinct(points, target_count)
     check_resolved(points, target_count, finest_length(points))
 
@@ -50,8 +49,8 @@ def simplified_point_cloud(
     target_count: int,
     *,
     rng: np.random.Generator,
-    samplenum: int | None = None,
-    order_seed: int | None = None,
+    samplenum: int,
+    order_seed: int,
 ) -> Simplification:
     """Keep what MeshLab keeps.
 
@@ -62,9 +61,9 @@ def simplified_point_cloud(
         From 1 to the number of distinct points.
     rng : numpy.random.Generator
         Draws ``order_seed``; in a fresh process the same seed gives the same points.
-    samplenum : int, optional
-        The number that the filter is asked for; by default the one that `calibrate` finds.
-    order_seed : int, optional
+    samplenum : int
+        The number that the filter is asked for; `calibrate` finds it.
+    order_seed : int
         Seed of the order in which MeshLab sees the points; by default drawn from ``rng``.
 
     Returns
@@ -77,11 +76,7 @@ def simplified_point_cloud(
     NotApplicable
         Fewer distinct points exist than are asked for.
     """
-    check(points, target_count)
-    if samplenum is None:
-        found = calibrate(points, target_count, rng=rng)
-        return simplified_point_cloud(points, target_count, rng=rng, **found)
-    indices = _sample(points, samplenum, draw_seed(rng) if order_seed is None else order_seed)
+    indices = _sample(points, samplenum, order_seed)
     return Simplification(points[indices], indices)
 
 

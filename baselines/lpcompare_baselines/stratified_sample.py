@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpcompare.types import Points, Simplification, Traits
-from lpcompare_baselines._guards import check
 
 TRAITS = Traits(
     wraps="numpy",
@@ -37,7 +36,6 @@ def stratified_sample(points: Points, target_count: int, *, rng: np.random.Gener
     Simplification
         A subset of the input.
     """
-    check(points, target_count)
     order = np.argsort(_morton_codes(points), kind="stable")
     borders = np.arange(target_count + 1) * len(points) // target_count
     indices = np.sort(order[rng.integers(borders[:-1], borders[1:])])

@@ -11,7 +11,7 @@ from lpcompare.geometry.scale import bounding_box_center
 from lpcompare.types import Points, Simplification, Traits
 from lpcompare_baselines._calibration import search_size, surface_spacing
 from lpcompare_baselines._cells import cell_means, finest_cell, grid_cells, n_occupied
-from lpcompare_baselines._guards import check, check_distinct, check_resolved
+from lpcompare_baselines._guards import check_distinct, check_resolved
 
 TRAITS = Traits(
     wraps="numpy",
@@ -31,7 +31,6 @@ def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) ->
     NotApplicable
         Fewer points are apart than are asked for.
     """
-    check(points, target_count)
     check_distinct(points, target_count)
     check_resolved(points, target_count, finest_cell(points))
     start = surface_spacing(points, target_count)
@@ -39,7 +38,7 @@ def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) ->
 
 
 def voxel_centroid(
-    points: Points, target_count: int, *, rng: np.random.Generator, cell_size: float | None = None
+    points: Points, target_count: int, *, rng: np.random.Generator, cell_size: float
 ) -> Simplification:
     """Replace the points of each occupied cube by their mean.
 
@@ -50,17 +49,14 @@ def voxel_centroid(
         From 1 to n.
     rng : numpy.random.Generator
         Not used: the method is deterministic.
-    cell_size : float, optional
-        Edge of a cube in model units; by default the one that `calibrate` finds.
+    cell_size : float
+        Edge of a cube in model units; `calibrate` finds it.
 
     Returns
     -------
     Simplification
         New points, as many as cubes are occupied.
     """
-    check(points, target_count)
-    if cell_size is None:
-        cell_size = calibrate(points, target_count, rng=rng)["cell_size"]
     center = bounding_box_center(points)
     means, _ = cell_means(points - center, grid_cells(points, cell_size))
     return Simplification(means + center)

@@ -10,7 +10,7 @@ import numpy as np
 from lpcompare.types import Points, Simplification, Traits
 from lpcompare_baselines._calibration import search_size, surface_spacing
 from lpcompare_baselines._cells import cell_means, finest_cell, grid_cells, n_occupied
-from lpcompare_baselines._guards import check, check_distinct, check_resolved
+from lpcompare_baselines._guards import check_distinct, check_resolved
 
 TRAITS = Traits(
     wraps="numpy",
@@ -28,7 +28,6 @@ def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) ->
     NotApplicable
         Fewer points are apart than are asked for.
     """
-    check(points, target_count)
     check_distinct(points, target_count)
     check_resolved(points, target_count, finest_cell(points))
     start = surface_spacing(points, target_count)
@@ -36,7 +35,7 @@ def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) ->
 
 
 def voxel_nearest(
-    points: Points, target_count: int, *, rng: np.random.Generator, cell_size: float | None = None
+    points: Points, target_count: int, *, rng: np.random.Generator, cell_size: float
 ) -> Simplification:
     """Keep one point of each occupied cube.
 
@@ -47,17 +46,14 @@ def voxel_nearest(
         From 1 to n.
     rng : numpy.random.Generator
         Not used: the method is deterministic.
-    cell_size : float, optional
-        Edge of a cube in model units; by default the one that `calibrate` finds.
+    cell_size : float
+        Edge of a cube in model units; `calibrate` finds it.
 
     Returns
     -------
     Simplification
         A subset of the input, as many points as cubes are occupied.
     """
-    check(points, target_count)
-    if cell_size is None:
-        cell_size = calibrate(points, target_count, rng=rng)["cell_size"]
     means, group = cell_means(points, grid_cells(points, cell_size))
     squared = np.square(points - means[group]).sum(axis=1)
     order = np.lexsort((squared, group))

@@ -9,7 +9,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from lpcompare.paper.simplifier import LPSimplifier, simplify
+    from lpcompare.paper.simplifier import LPSimplifier
+    from lpcompare.simplify import simplify
     from lpcompare.types import PointCloud, Simplification
 
 __all__ = ["LPSimplifier", "PointCloud", "Simplification", "simplify"]
@@ -18,7 +19,7 @@ _HOMES = {
     "LPSimplifier": "lpcompare.paper.simplifier",
     "PointCloud": "lpcompare.types",
     "Simplification": "lpcompare.types",
-    "simplify": "lpcompare.paper.simplifier",
+    "simplify": "lpcompare.simplify",
 }
 
 

@@ -1,35 +1,42 @@
-"""The smallest count that keeps the eq. 27 error below a bound, by bisection with the method itself."""
+"""The smallest count that keeps the plane error (eq. 27) below a bound, by bisection with the method."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
-from lpcompare.checks import check_number
+from lpcompare.checks import check_choice, check_number
 from lpcompare.errors import InputError
 from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.geometry.planes import plane_distances
 from lpcompare.geometry.scale import bounding_box_center, bounding_box_diagonal
-from lpcompare.types import Points, Simplification
+from lpcompare.types import Points, Simplification, Vector
 
 _NEIGHBORS = 8
 _PRECISION = 200
+_STATISTICS: dict[str, Callable[[Vector], float]] = {
+    "mean": lambda errors: float(errors.mean()),
+    "p95": lambda errors: float(np.quantile(errors, 0.95)),
+    "max": lambda errors: float(errors.max()),
+}
 
 
-def plane_error_percent(points: Points, reduced: Points) -> float:
-    """Eq. 27 with 8 neighbours, in % of the bounding-box diagonal of ``points``; 0 without extent."""
-    diagonal = bounding_box_diagonal(points)
-    if diagonal == 0:
-        return 0.0
+def plane_errors(points: Points, reduced: Points) -> Vector:
+    """Eq. 27 of each point: its distance to the plane of its 8 nearest reduced points, in model units."""
     center = bounding_box_center(points)
     original, simplified = points - center, reduced - center
     indices = Neighbors(simplified).query(original, _NEIGHBORS)[1]
-    return 100.0 * float(plane_distances(original, simplified, indices).mean()) / diagonal
+    return plane_distances(original, simplified, indices)
 
 
 def simplify_within(
-    points: Points, max_error: float, reduce: Callable[[int], Simplification]
+    points: Points,
+    reduce: Callable[[int], Simplification],
+    max_error: float | None,
+    tolerance: float | None,
+    statistic: str = "mean",
 ) -> Simplification:
     """Keep as few points as the error bound allows.
 
@@ -39,43 +46,59 @@ def simplify_within(
     Parameters
     ----------
     points : ndarray, shape (n, 3)
-    max_error : float
-        Largest eq. 27 error (8 neighbours), in % of the bounding-box diagonal.
     reduce : callable
         The method: from a count to a `Simplification`.
+    max_error : float or None
+        Largest plane error (8 neighbors), in % of the bounding-box diagonal.
+    tolerance : float or None
+        The same in model units; exactly one of the two.
+    statistic : {"mean", "p95", "max"}
+        Of the errors over the points.
 
     Returns
     -------
     Simplification
-        ``info["max_error_pct"]`` and ``info["plane_error_pct"]`` say what was asked and what was reached.
+        ``info["error_bound"]`` and ``info["error"]`` say what was asked and what was reached, in model units.
 
     Raises
     ------
     InputError
-        ``max_error`` is negative, or smaller than the error of the whole cloud.
+        The bound is negative, or no count keeps it.
     """
-    bound = check_number("max_error", max_error, 0.0)
-    whole = plane_error_percent(points, points)
+    measure = _STATISTICS[check_choice("statistic", statistic, _STATISTICS)]
+    if max_error is None:
+        bound = check_number("tolerance", tolerance, 0.0)
+    else:
+        bound = check_number("max_error", max_error, 0.0) * bounding_box_diagonal(points) / 100
+
+    def attempt(count: int) -> tuple[Simplification, float]:
+        result = reduce(count)
+        return result, measure(plane_errors(points, result.points))
+
+    whole = measure(plane_errors(points, points))
     if whole > bound:
         raise InputError(
-            f"max_error is {bound:g} % of the diagonal, but all {len(points)} points together have an error "
-            f"of {whole:.4g} %: the cloud is not flatter than that. Give at least that much."
+            f"The error bound is {bound:.4g} model units, but all {len(points)} points together have a "
+            f"{statistic} error of {whole:.4g}: the cloud is not flatter than that. Give at least that much."
         )
     low, high = 0, len(points)
     best: tuple[Simplification, float] | None = None
     guess = max(1, high // 10)
     while high - low > max(1, high // _PRECISION):
         count = int(np.clip(guess, low + 1, high - 1))
-        result = reduce(count)
-        error = plane_error_percent(points, result.points)
+        result, error = attempt(count)
         if error <= bound:
             high, best = count, (result, error)
         else:
             low = count
         guess = _next_guess(low, high, count, error, bound)
-    result, error = best or (reduce(len(points)), whole)
-    info = dict(result.info) | {"max_error_pct": bound, "plane_error_pct": error}
-    return Simplification(result.points, result.indices, result.timings, info)
+    result, error = best or attempt(len(points))
+    if error > bound:
+        raise InputError(
+            f"No count of this method keeps a {statistic} error of {bound:.4g} model units; with all "
+            f"{len(points)} points it reaches {error:.4g}. Give at least that much, or choose another method."
+        )
+    return replace(result, info={**result.info, "error_bound": bound, "error": error})
 
 
 def _next_guess(low: int, high: int, count: int, error: float, bound: float) -> int:

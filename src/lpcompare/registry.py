@@ -18,7 +18,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from time import perf_counter
 from types import ModuleType
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias, get_type_hints
 
 from lpcompare.errors import InputError, MethodError, Unavailable, UnknownName
 from lpcompare.types import PointCloud, Simplification, Traits
@@ -26,7 +26,11 @@ from lpcompare.types import PointCloud, Simplification, Traits
 if TYPE_CHECKING:
     import numpy as np
 
-_RESERVED = frozenset({"rng", "cloud", "callback"})
+_RESERVED = frozenset(
+    {"rng", "cloud", "callback", "target_count", "target_reduction", "random_state", "method"}
+)
+"""Arguments that are no settings: the registry or the method's file gives them."""
+
 _NO_PLUGINS = frozenset({"comparison"})
 _FORGIVEN = 0.01
 """Share of a promised count that may be missing: a broken mesh can withhold the last points."""
@@ -148,19 +152,39 @@ class Registry:
 
     def settings(self, name: str) -> dict[str, Any]:
         """Import a plug-in and return its settings with their defaults, read from the signature."""
-        parameters = inspect.signature(self.get(name)).parameters.values()
         return {
             p.name: None if p.default is p.empty else p.default
-            for p in parameters
-            if p.kind is p.KEYWORD_ONLY and p.name not in _RESERVED
+            for p in _keywords(self.get(name), self.module(name))
+            if p.name not in _RESERVED
         }
 
     def check_settings(self, name: str, settings: Mapping[str, Any]) -> None:
-        """Raise an `UnknownName` for a setting that the method does not have."""
-        known = self.settings(name)
-        for setting in settings:
+        """Check names and types of settings against the method's signature.
+
+        Raises
+        ------
+        UnknownName
+            The method has no such setting.
+        InputError
+            The value is of another type.
+        """
+        if not settings:
+            return
+        import msgspec
+
+        module, known = self.module(name), self.settings(name)
+        hints = get_type_hints(getattr(module, name))
+        hints |= get_type_hints(module.ESTIMATOR.__init__) if hasattr(module, "ESTIMATOR") else {}
+        for setting, value in settings.items():
             if setting not in known:
                 raise UnknownName(f"setting of {name}", setting, known)
+            try:
+                msgspec.convert(getattr(value, "item", lambda v=value: v)(), hints.get(setting, Any))
+            except msgspec.ValidationError as error:
+                raise InputError(
+                    f"{name}.{setting} is {value!r}, a {type(value).__name__} ({error}; default "
+                    f"{known[setting]!r}); give a value of that type."
+                ) from None
 
     def _guest(self, entry: EntryPoint) -> _Home:
         """The home of another distribution's plug-in; its text is read, so that a broken one ends nothing."""
@@ -206,6 +230,14 @@ def _traits(tree: ast.Module) -> Traits | None:
                 return None
             return Traits(**{str(k.arg): ast.literal_eval(k.value) for k in node.value.keywords})
     return None
+
+
+def _keywords(function: Callable[..., Any], module: ModuleType) -> list[inspect.Parameter]:
+    """The keyword arguments of a plug-in; ``**settings`` stand for those of the file's ``ESTIMATOR``."""
+    parameters = list(inspect.signature(function).parameters.values())
+    if any(p.kind is p.VAR_KEYWORD for p in parameters) and hasattr(module, "ESTIMATOR"):
+        parameters += inspect.signature(module.ESTIMATOR).parameters.values()
+    return [p for p in parameters if p.kind is p.KEYWORD_ONLY]
 
 
 def _files(package: str) -> list[Path]:
@@ -365,9 +397,9 @@ class Invocation:
     def _apply(self, function: Callable[..., Any]) -> Any:
         import numpy as np
 
-        parameters = inspect.signature(function).parameters
+        known = {p.name for p in _keywords(function, self.module)}
         offered = {"cloud": self.cloud, "callback": self._callback} | self.settings
-        chosen = {key: value for key, value in offered.items() if key in parameters}
+        chosen = {key: value for key, value in offered.items() if key in known}
         rng = np.random.default_rng(self._random_state)
         return function(self.cloud.points, self.target_count, rng=rng, **chosen)
 

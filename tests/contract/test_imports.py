@@ -13,14 +13,15 @@ ALLOWED = {
     "threads": CORE,
     "progress": CORE,
     "files": CORE,
-    "checks": CORE | {"paper"},
+    "checks": CORE,
     "geometry": CORE | {"threads"},
     "mesh_library": CORE,
     "io": CORE | {"mesh_library", "files"},
     "max_error": CORE | {"geometry", "checks"},
-    "paper": CORE | {"geometry", "threads", "checks", "progress", "max_error", "uniform"},
+    "paper": CORE | {"geometry", "threads", "checks", "progress"},
     "uniform": CORE | {"geometry", "threads", "checks", "progress", "paper"},
-    "methods": CORE | {"geometry", "paper", "uniform"},
+    "methods": CORE | {"progress", "geometry", "paper", "uniform"},
+    "simplify": CORE | {"checks", "max_error", "registry"},
     "baselines": CORE | {"mesh_library", "geometry"},
     "metrics": CORE | {"mesh_library", "geometry"},
     "models": CORE | {"mesh_library", "geometry", "io"},
@@ -30,7 +31,7 @@ ALLOWED = {
     "report": CORE | {"mesh_library", "files", "geometry", "io", "metrics", "registry", "benchmark"},
     "reproduction": CORE
     | {"geometry", "threads", "files", "paper", "metrics", "registry", "models", "benchmark", "report"},
-    "meshlab": CORE | {"mesh_library", "io", "geometry", "paper", "uniform", "metrics"},
+    "meshlab": CORE | {"simplify", "mesh_library", "io", "geometry", "paper", "uniform", "metrics"},
 }
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from lpcompare.errors import NotApplicable
-from lpcompare.registry import METHODS
+from lpcompare.registry import METHODS, call
 from lpcompare.types import PointCloud, Simplification
 
 N_POINTS, TARGET = 600, 150
@@ -41,13 +41,7 @@ def outward(points, faces):
 
 
 def run(name, cloud, target=TARGET, seed=0):
-    function, module = METHODS.get(name), METHODS.module(name)
-    known = {"cloud": cloud} if "cloud" in inspect.signature(function).parameters else {}
-    settings = {}
-    if hasattr(module, "calibrate"):
-        extra = {"cloud": cloud} if "cloud" in inspect.signature(module.calibrate).parameters else {}
-        settings = module.calibrate(cloud.points, target, rng=np.random.default_rng(seed), **extra)
-    return function(cloud.points, target, rng=np.random.default_rng(seed), **known, **settings)
+    return call(name, cloud, target, random_state=seed)
 
 
 @pytest.mark.parametrize("name", list(usable()))
@@ -101,19 +95,14 @@ IN_PROCESS = ("lpcompare", "numpy", "scipy")
 """What does not keep a state of its own between two calls."""
 
 DRAW = """
-import hashlib, inspect, sys
+import hashlib, sys
 import numpy as np
-from lpcompare.registry import METHODS
+from lpcompare.registry import call
 from lpcompare.types import PointCloud
 name, path = sys.argv[1:]
 with np.load(path) as file:
     cloud = PointCloud(file["points"], faces=file["faces"])
-function, module = METHODS.get(name), METHODS.module(name)
-known = {"cloud": cloud} if "cloud" in inspect.signature(function).parameters else {}
-settings = {}
-if hasattr(module, "calibrate"):
-    settings = module.calibrate(cloud.points, 150, rng=np.random.default_rng(3), **known)
-result = function(cloud.points, 150, rng=np.random.default_rng(3), **known, **settings)
+result = call(name, cloud, 150, random_state=3)
 print(len(result), hashlib.sha256(result.points.tobytes()).hexdigest())
 """
 

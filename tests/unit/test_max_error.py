@@ -5,6 +5,7 @@ import pytest
 
 import lpcompare
 from lpcompare.errors import InputError
+from lpcompare.max_error import plane_errors
 from lpcompare.metrics.comparison import Comparison
 from lpcompare.metrics.plane_error import plane_error
 
@@ -21,7 +22,8 @@ def error(reduced):
 def test_the_bound_is_kept_and_a_few_points_less_would_break_it(method, bound):
     result = lpcompare.simplify(CLOUD, max_error=bound, method=method, n_clusters=5)
     assert error(result.points) <= bound
-    assert result.info["plane_error_pct"] == pytest.approx(error(result.points))
+    diagonal = np.linalg.norm(np.ptp(CLOUD, axis=0))
+    assert result.info["error"] == pytest.approx(error(result.points) * diagonal / 100)
     fewer = lpcompare.simplify(CLOUD, target_count=int(0.9 * len(result)), method=method, n_clusters=5)
     assert error(fewer.points) > bound
 
@@ -44,5 +46,17 @@ def test_a_bound_below_the_clouds_own_error_is_refused():
 
 @pytest.mark.parametrize("target", [{"target_count": 10}, {"target_reduction": 0.5}])
 def test_two_targets_are_refused(target):
-    with pytest.raises(InputError, match="max_error chooses the count"):
+    with pytest.raises(InputError, match="exactly one of target_reduction"):
         lpcompare.simplify(CLOUD, max_error=0.5, **target)
+
+
+@pytest.mark.parametrize(("statistic", "of"), [("mean", np.mean), ("max", np.max)])
+def test_a_tolerance_in_model_units_bounds_the_statistic_that_is_named(statistic, of):
+    result = lpcompare.simplify(CLOUD, tolerance=0.02, statistic=statistic, method="farthest_point")
+    assert of(plane_errors(CLOUD, result.points)) <= 0.02
+    assert len(result) < 2000
+
+
+def test_the_error_of_moved_points_is_the_one_of_the_points_returned():
+    result = lpcompare.simplify(CLOUD, max_error=0.5, method="lp_placed", n_clusters=5)
+    assert error(result.points) <= 0.5

@@ -11,7 +11,8 @@ from lpcompare.geometry.scale import bounding_box_diagonal
 from lpcompare.mesh_library import pymeshlab
 from lpcompare.meshlab.layers import add_subset, coordinates, used_rows
 from lpcompare.meshlab.parameters import Parameter
-from lpcompare.paper.simplifier import LPSimplifier, simplify
+from lpcompare.paper.simplifier import LPSimplifier
+from lpcompare.simplify import simplify
 from lpcompare.types import Points
 from lpcompare.uniform.simplifier import UniformReducer
 

@@ -8,16 +8,19 @@ survive and centres empty.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
-from lpcompare.paper.cluster_count import ClusterCountSetting
 from lpcompare.paper.simplifier import LPSimplifier
+from lpcompare.progress import Callback
 from lpcompare.types import Points, Simplification, Traits
 
 TRAITS = Traits(
     wraps="lpcompare (cvxpy, HiGHS)",
     source="Leal and others, A Linear Programming Approach for 3D Point Cloud Simplification, 2017",
 )
+ESTIMATOR = LPSimplifier
 
 
 def lp_printed(
@@ -25,45 +28,26 @@ def lp_printed(
     target_count: int,
     *,
     rng: np.random.Generator,
-    n_clusters: ClusterCountSetting = 20,
-    n_neighbors: int = 20,
-    retention: str = "exact-count",
-    feature_share: float = 0.4,
-    density: str = "mean",
-    solver: str = "highs",
-    clusterer: str = "em",
-    time_limit: float = 10.0,
-    gap: float = 0.0,
+    callback: Callback | None = None,
+    **settings: Any,
 ) -> Simplification:
-    """Keep ``target_count`` of the points; the settings are those of `lpcompare.LPSimplifier`.
+    """Keep ``target_count`` of the points; the settings are those of `LPSimplifier`.
 
     Parameters
     ----------
     points : ndarray, shape (n, 3)
     target_count : int
-        From 1 to n; under ``retention="keep-features"`` it sets the rate, and more points stay.
+        From 1 to n.
     rng : numpy.random.Generator
+    callback : callable, optional
+        Called with (stage, done, total).
 
     Returns
     -------
     Simplification
         A subset of the input.
     """
-    return (
-        LPSimplifier(
-            target_count=target_count,
-            method="lp_printed",
-            n_clusters=n_clusters,
-            n_neighbors=n_neighbors,
-            retention=retention,
-            feature_share=feature_share,
-            density=density,
-            solver=solver,
-            clusterer=clusterer,
-            time_limit=time_limit,
-            gap=gap,
-            random_state=rng,
-        )
-        .fit(points)
-        .simplification_
+    estimator = ESTIMATOR(
+        target_count=target_count, method="lp_printed", random_state=rng, callback=callback, **settings
     )
+    return estimator.fit(points).simplification_

@@ -1,4 +1,4 @@
-"""The method of Leal et al. (2017) from points to points: `simplify` and the estimator `LPSimplifier`."""
+"""The method of Leal et al. (2017) from points to points: the estimator `LPSimplifier`."""
 
 from __future__ import annotations
 
@@ -17,9 +17,7 @@ from lpcompare.checks import (
     check_solver,
     check_target,
 )
-from lpcompare.errors import InputError
 from lpcompare.geometry.scale import normalize
-from lpcompare.max_error import simplify_within
 from lpcompare.paper.cluster_count import AUTO, ClusterCountSetting, check_n_clusters, choose_n_clusters
 from lpcompare.paper.clustering import Mixture, cluster_points
 from lpcompare.paper.curvature import estimate_curvature
@@ -28,78 +26,8 @@ from lpcompare.paper.program import SolverSettings
 from lpcompare.paper.reduction import Reading, plan_clusters, reduce_clusters
 from lpcompare.progress import Callback, StageClock
 from lpcompare.types import Points, Simplification
-from lpcompare.uniform.simplifier import UniformReducer
 
 METHODS = ("lp_density", "lp_printed")
-UNIFORM_METHODS = ("lp_uniform", "lp_placed")
-
-
-def simplify(
-    points: Any,
-    *,
-    target_reduction: float | None = None,
-    target_count: int | None = None,
-    max_error: float | None = None,
-    method: str = "lp_density",
-    **settings: Any,
-) -> Simplification:
-    """Thin a point cloud with the method of Leal et al. (2017), or with ours that grew out of it.
-
-    Parameters
-    ----------
-    points : array_like, shape (n, 3)
-        Finite coordinates in model units; never changed.
-    target_reduction : float, optional
-        Share of the points removed, from 0 to below 1.
-    target_count : int, optional
-        Points kept, from 1 to n.
-    max_error : float, optional
-        Largest eq. 27 error (8 neighbours) in % of the bounding-box diagonal: as few points are kept as it
-        allows. Give exactly one of the three.
-    method : {"lp_density", "lp_printed", "lp_uniform", "lp_placed"}
-    **settings
-        Those of `LPSimplifier`, or for the last two of `lpcompare.uniform.simplifier.UniformReducer`.
-
-    Returns
-    -------
-    Simplification
-        The kept points with their rows in the input; ``info`` holds the certificates and the cluster of
-        every input point. The points of "lp_placed" are new; ``info["source"]`` has their rows.
-
-    Raises
-    ------
-    InputError
-        The cloud or a setting cannot be worked on.
-    UnknownName
-        A setting names something that does not exist.
-    SolverError
-        The solver ended without a selection.
-
-    Examples
-    --------
-    >>> import numpy as np, lpcompare
-    >>> cloud = np.random.default_rng(0).normal(size=(500, 3))
-    >>> len(lpcompare.simplify(cloud, target_reduction=0.9))
-    50
-    """
-    cloud = check_points(points)
-    reduce = _reducer(cloud, check_choice("method", method, METHODS + UNIFORM_METHODS), settings)
-    if max_error is None:
-        return reduce(check_target(len(cloud), target_reduction, target_count))
-    if target_reduction is not None or target_count is not None:
-        raise InputError(
-            "max_error chooses the count; give it alone, without target_reduction or target_count."
-        )
-    return simplify_within(cloud, max_error, reduce)
-
-
-def _reducer(cloud: Points, method: str, settings: dict[str, Any]) -> Callable[[int], Simplification]:
-    """The method as a function of the count alone."""
-    if method in UNIFORM_METHODS:
-        return UniformReducer(cloud, placed=method == "lp_placed", **settings).reduce
-    return lambda count: (
-        LPSimplifier(target_count=count, method=method, **settings).fit(cloud).simplification_
-    )
 
 
 class LPSimplifier(BaseEstimator):

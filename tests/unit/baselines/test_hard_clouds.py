@@ -1,6 +1,5 @@
 """Each rival on scans, duplicates, one point fewer than there are, and survey coordinates."""
 
-import inspect
 import subprocess
 import sys
 
@@ -9,7 +8,7 @@ import pytest
 from scipy.spatial import ConvexHull
 
 from lpcompare.errors import InputError, NotApplicable
-from lpcompare.registry import METHODS
+from lpcompare.registry import METHODS, call
 from lpcompare.types import PointCloud
 
 RIVALS = [
@@ -23,12 +22,7 @@ STEPPED = ("cgal_hierarchy", "open3d_uniform")
 
 
 def run(name, cloud, target):
-    function, module = METHODS.get(name), METHODS.module(name)
-    known = {"cloud": cloud} if "cloud" in inspect.signature(function).parameters else {}
-    settings = {}
-    if hasattr(module, "calibrate"):
-        settings = module.calibrate(cloud.points, target, rng=np.random.default_rng(0), **known)
-    return function(cloud.points, target, rng=np.random.default_rng(0), **known, **settings)
+    return call(name, cloud, target, random_state=0)
 
 
 def sphere(n, scale=1.0, shift=0.0):

@@ -9,6 +9,8 @@ import pytest
 from scipy.spatial import KDTree
 
 from lpcompare.errors import NotApplicable
+from lpcompare.registry import call
+from lpcompare.types import PointCloud
 from lpcompare_baselines.poisson_disk import calibrate, poisson_disk
 
 DRAW = """
@@ -46,7 +48,7 @@ def test_kept_points_are_a_radius_apart_and_cover_the_rest(cloud):
 @pytest.mark.skipif(sys.platform != "linux", reason="a draw is foreseen by forking")
 @pytest.mark.parametrize("target", [1, 57, 400, 2900])
 def test_the_count_is_the_one_asked_for(cloud, target):
-    assert len(poisson_disk(cloud, target, rng=np.random.default_rng(1))) == target
+    assert len(call("poisson_disk", PointCloud(cloud), target, random_state=1)) == target
 
 
 def test_a_seed_gives_the_same_draw_in_a_fresh_process_and_another_seed_another():
@@ -58,5 +60,5 @@ def test_a_seed_gives_the_same_draw_in_a_fresh_process_and_another_seed_another(
 def test_more_points_than_are_distinct_is_declined_not_searched_for_ever():
     points = np.repeat(np.random.default_rng(0).random((30, 3)), 2, axis=0)
     with pytest.raises(NotApplicable, match="only 30 of the 60 are distinct"):
-        poisson_disk(points, 31, rng=np.random.default_rng(0))
-    assert len(poisson_disk(points, 20, rng=np.random.default_rng(0))) == 20
+        call("poisson_disk", PointCloud(points), 31)
+    assert len(call("poisson_disk", PointCloud(points), 20)) == 20

@@ -1,0 +1,137 @@
+"""The public function `simplify`: any cloud, any registered method, a count or an error to keep."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from lpcompare.checks import check_points, check_target, valid_rows
+from lpcompare.errors import InputError
+from lpcompare.max_error import simplify_within
+from lpcompare.registry import METHODS, Seed, call
+from lpcompare.types import PointCloud, Simplification
+
+
+def simplify(
+    points: Any,
+    *,
+    target_reduction: float | None = None,
+    target_count: int | None = None,
+    max_error: float | None = None,
+    tolerance: float | None = None,
+    statistic: str = "mean",
+    method: str = "lp_uniform",
+    drop_invalid: bool = False,
+    order: bool = False,
+    random_state: Seed = 0,
+    callback: Callable[[str, int, int], None] | None = None,
+    **settings: Any,
+) -> Simplification:
+    """Thin a point cloud with any method that `lpcompare.methods` lists.
+
+    Exactly one of ``target_reduction``, ``target_count``, ``max_error`` and ``tolerance`` says how far.
+
+    Parameters
+    ----------
+    points : PointCloud or array_like, shape (n, 3)
+        Coordinates in model units; never changed. Methods that need a mesh need a `PointCloud` with faces.
+    target_reduction : float, optional
+        Share of the points to remove, from 0 to below 1.
+    target_count : int, optional
+        Points to keep, from 1 to n.
+    max_error : float, optional
+        Largest plane error (eq. 27, 8 neighbors) in % of the bounding-box diagonal. As few points are kept as
+        it allows.
+    tolerance : float, optional
+        The same in model units.
+    statistic : {"mean", "p95", "max"}
+        Which value over the original points ``max_error`` or ``tolerance`` bounds.
+    method : str
+        A registered method.
+    drop_invalid : bool
+        Leave out points with NaN, infinity or a masked value instead of refusing the cloud.
+    order : bool
+        Ask for ``info["order"]``, the rank of each kept point, shape (m,): every prefix is a thinning too.
+        Only progressive methods have it.
+    random_state : int, SeedSequence, Generator or None
+        Seed of every random draw. The same input, settings and seed give the same points.
+    callback : callable, optional
+        Called with (stage, done, total) by the methods that report their progress.
+    **settings
+        Settings of the method; ``lpcompare list METHOD`` shows them.
+
+    Returns
+    -------
+    Simplification
+        The kept points; ``indices`` are their rows in the input, or None where the method makes new points.
+
+    Raises
+    ------
+    InputError
+        The cloud, the count or a setting cannot be worked on, or no count keeps the error.
+    UnknownName
+        There is no such method or setting.
+    Unavailable
+        The method needs a package that is not installed.
+    MethodError, SolverError
+        The method broke a promise, or its solver ended without a selection.
+
+    Examples
+    --------
+    >>> import numpy as np, lpcompare
+    >>> cloud = np.random.default_rng(0).normal(size=(500, 3))
+    >>> len(lpcompare.simplify(cloud, target_reduction=0.9))
+    50
+    >>> lpcompare.simplify(cloud, target_count=9, method="farthest_point").indices.shape
+    (9,)
+    """
+    cloud, rows = _clean(points, drop_invalid=drop_invalid)
+    METHODS.check_settings(method, settings)
+    if order and not METHODS.traits(method).progressive:
+        known = ", ".join(name for name in METHODS if METHODS.traits(name).progressive)
+        raise InputError(f"{method} has no order of its points; choose a progressive method: {known}.")
+
+    def reduce(count: int) -> Simplification:
+        return call(method, cloud, count, random_state=random_state, settings=settings, callback=callback)
+
+    given = [target_reduction, target_count, max_error, tolerance]
+    if sum(value is not None for value in given) != 1:
+        raise InputError(
+            "Give exactly one of target_reduction, target_count, max_error and tolerance "
+            f"(got {', '.join(map(str, given))})."
+        )
+    if max_error is None and tolerance is None:
+        result = reduce(check_target(len(cloud), target_reduction, target_count))
+    else:
+        result = simplify_within(cloud.points, reduce, max_error, tolerance, statistic)
+    return _in_rows_of_the_input(result, rows, len(points))
+
+
+def _clean(points: Any, *, drop_invalid: bool) -> tuple[PointCloud, np.ndarray | None]:
+    """The checked cloud, and the rows that it has of the input where some were left out."""
+    cloud = points if isinstance(points, PointCloud) else PointCloud(points)
+    if not drop_invalid:
+        return replace(cloud, points=check_points(cloud.points)), None
+    values = np.ma.filled(np.ma.asarray(cloud.points, dtype=np.float64), np.nan)
+    cloud = replace(cloud, points=values)
+    if values.ndim != 2 or values.shape[1:] != (3,) or valid_rows(values).all():
+        return replace(cloud, points=check_points(values)), None
+    rows = np.flatnonzero(valid_rows(values))
+    if not len(rows):
+        raise InputError(
+            f"None of the {len(values)} points has finite coordinates; there is nothing to thin."
+        )
+    kept = cloud.take(rows)
+    return replace(kept, points=check_points(kept.points)), rows
+
+
+def _in_rows_of_the_input(result: Simplification, rows: np.ndarray | None, n_input: int) -> Simplification:
+    """The result with its indices counted in the input, before points were left out."""
+    if rows is None:
+        return result
+    indices = None if result.indices is None else rows[result.indices]
+    info = {**result.info, "n_left_out": n_input - len(rows)}
+    return replace(result, indices=indices, info=info)
