@@ -23,6 +23,7 @@ TRAITS = Traits(
     "triangular meshes, IEEE TVCG 18(6), 2012",
     licence="GPL-3.0",
     exact_count=False,
+    own_process=True,
 )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,6 +13,9 @@ from lpcompare.errors import InputError
 from lpcompare.max_error import simplify_within
 from lpcompare.registry import METHODS, Seed, call
 from lpcompare.types import PointCloud, Simplification
+
+if TYPE_CHECKING:
+    from lpcompare.isolation import Limits
 
 
 def simplify(
@@ -28,6 +31,7 @@ def simplify(
     order: bool = False,
     random_state: Seed = 0,
     callback: Callable[[str, int, int], None] | None = None,
+    limits: Limits | None = None,
     **settings: Any,
 ) -> Simplification:
     """Thin a point cloud with any method that `lpcompare.methods` lists.
@@ -60,6 +64,9 @@ def simplify(
         Seed of every random draw. The same input, settings and seed give the same points.
     callback : callable, optional
         Called with (stage, done, total) by the methods that report their progress.
+    limits : Limits, optional
+        Call the method in a child process that these limits end. Methods whose library keeps a random state
+        of its own get a child process in any case, so that the seed decides.
     **settings
         Settings of the method; ``lpcompare list METHOD`` shows them.
 
@@ -95,7 +102,13 @@ def simplify(
         raise InputError(f"{method} has no order of its points; choose a progressive method: {known}.")
 
     def reduce(count: int) -> Simplification:
-        return call(method, cloud, count, random_state=random_state, settings=settings, callback=callback)
+        if limits is None and not METHODS.traits(method).own_process:
+            return call(method, cloud, count, random_state=random_state, settings=settings, callback=callback)
+        from lpcompare.isolation import Limits, call_isolated
+
+        return call_isolated(
+            method, cloud, count, random_state=random_state, settings=settings, limits=limits or Limits()
+        )
 
     given = [target_reduction, target_count, max_error, tolerance]
     if sum(value is not None for value in given) != 1:

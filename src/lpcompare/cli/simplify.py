@@ -1,4 +1,4 @@
-"""``lpcompare simplify``: thin files and keep everything that they say about the points that stay."""
+"""``lpcompare simplify``: read, thin, write; everything that a file says about the kept points stays."""
 
 from __future__ import annotations
 
@@ -7,33 +7,41 @@ import os
 import shutil
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from time import perf_counter
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 if TYPE_CHECKING:
-    from lpcompare.benchmark.plan import Variant
-    from lpcompare.benchmark.record import Record
-    from lpcompare.types import Indices, PointCloud, Points
+    from lpcompare.isolation import Limits
+    from lpcompare.types import PointCloud, Simplification
 
 STANDARD_OUTPUT = "-"
-_FACES_LEFT_OUT = "; the result is a cloud, so that faces are left out"
+_FACES_LEFT_OUT = "the result is a cloud, so that faces are left out"
+_MOVED = "points were moved, so that only coordinates are written"
+_JUDGED = 20_000
+"""Original points at which the error of the report line is measured."""
+
+Callback = Callable[[str, int, int], None]
 
 
 @dataclass(frozen=True)
 class _Order:
     """What is asked of every file."""
 
-    variant: Variant
-    reduction: float | None
-    count: int | None
+    method: str
+    how_far: dict[str, Any]
+    settings: dict[str, Any]
+    limits: Limits | None
     seed: int
+    strict: bool
+    rank: bool
     refine: bool
-    time_limit: float
+    evaluate: bool
 
 
 def command(
@@ -45,117 +53,221 @@ def command(
     ],
     *,
     reduction: Annotated[float | None, typer.Option(help="Share of the points to remove.")] = None,
-    count: Annotated[int | None, typer.Option(help="Points to keep, instead of a reduction.")] = None,
-    method: Annotated[str, typer.Option(help="See lpcompare list.")] = "lp_uniform",
+    count: Annotated[int | None, typer.Option(help="Points to keep.")] = None,
+    max_error: Annotated[
+        float | None,
+        typer.Option(help="Largest plane error, % of the diagonal; keeps as few as allowed."),
+    ] = None,
+    tolerance: Annotated[float | None, typer.Option(help="The same in the file's unit of length.")] = None,
+    statistic: Annotated[str, typer.Option(help="What the two bound: mean, p95 or max.")] = "mean",
+    method: Annotated[str, typer.Option(help="See lpcompare list methods.")] = "lp_uniform",
     assignments: Annotated[
         list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help="A setting of the method.")
     ] = None,
-    refine: Annotated[bool, typer.Option("--refine", help="Exchange points for a smaller error.")] = False,
+    refine: Annotated[bool, typer.Option("--refine", help="Swap points afterwards for less error.")] = False,
+    rank: Annotated[
+        bool, typer.Option("--order", help="Write the rank of each point (progressive methods).")
+    ] = False,
+    strict: Annotated[
+        bool,
+        typer.Option("--strict", help="Refuse points without coordinates; else they are left out."),
+    ] = False,
+    evaluate: Annotated[bool, typer.Option("--evaluate", help="Print every quick metric in full.")] = False,
     seed: Annotated[int, typer.Option(help="Seed of every random draw.")] = 0,
-    time_limit: Annotated[float, typer.Option(help="Seconds after which a file is given up.")] = 3600.0,
+    isolate: Annotated[bool, typer.Option("--isolate", help="Call the method in a child process.")] = False,
+    time_limit: Annotated[
+        float | None, typer.Option(help="Seconds after which a file is given up; implies --isolate.")
+    ] = None,
+    memory_limit: Annotated[
+        int | None, typer.Option(help="MiB that the method may use; implies --isolate.")
+    ] = None,
     force: Annotated[bool, typer.Option("--force", help="Allow OUT to be an input.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress and no report.")] = False,
 ) -> None:
-    """Thin point clouds, keeping every attribute of their formats."""
-    from lpcompare.benchmark.plan import Variant, check_names
-    from lpcompare.benchmark.settings import parse_assignments
-    from lpcompare.errors import InputError, LpcompareError
+    """Thin point clouds, keeping every attribute of their formats.
 
-    if (reduction is None) == (count is None):
-        raise InputError(
-            "Say how much: either --reduction, a share such as 0.9, or --count, a number of points."
-        )
-    check_names((method,), ())
+    Example: lpcompare simplify scan.laz thin.laz --reduction 0.9
+    """
+    from lpcompare.benchmark.settings import parse_assignments
+    from lpcompare.checks import check_integer
+    from lpcompare.errors import LpcompareError
+    from lpcompare.registry import METHODS
+
+    METHODS.traits(method)
     chosen = parse_assignments([f"{method}.{word}" for word in assignments or ()], (method,))
-    order = _Order(Variant(method, chosen.get(method, {})), reduction, count, seed, refine, time_limit)
+    order = _Order(
+        method=method,
+        how_far=_how_far(reduction, count, max_error, tolerance) | {"statistic": statistic},
+        settings=chosen.get(method, {}),
+        limits=_limits(time_limit, memory_limit) if isolate or time_limit or memory_limit else None,
+        seed=check_integer("seed", seed, 0),
+        strict=strict,
+        rank=rank,
+        refine=refine,
+        evaluate=evaluate,
+    )
     pairs = _pairs(paths, force=force)
     failed = False
-    for source, target in _with_progress(pairs, quiet=quiet):
-        try:
-            line = _simplify_file(source, target, order)
-        except LpcompareError as error:
-            if len(pairs) == 1:
-                raise
-            sys.stderr.write(f"lpcompare: {error}\n")
-            failed = True
-            continue
-        if not quiet:
-            typer.echo(line, err=target == STANDARD_OUTPUT)
+    with _stages(hidden=quiet) as callback:
+        for source, target in pairs:
+            try:
+                report = _simplify_file(source, target, order, callback)
+            except LpcompareError as error:
+                if len(pairs) == 1:
+                    raise
+                sys.stderr.write(f"lpcompare: {error}\n")
+                failed = True
+                continue
+            if not quiet:
+                typer.echo(report, err=target == STANDARD_OUTPUT)
     if failed:
         raise typer.Exit(2)
 
 
-def _simplify_file(source: Path, target: Path | str, order: _Order) -> str:
-    """Read, reduce, write; returns the report line."""
-    from lpcompare.io import read_point_cloud
+def _how_far(
+    reduction: float | None, count: int | None, max_error: float | None, tolerance: float | None
+) -> dict[str, Any]:
+    """The one way that was chosen, by the names of `lpcompare.simplify`."""
+    from lpcompare.errors import InputError
 
-    cloud = read_point_cloud(source)
-    record, points, rows = _reduce(cloud, order)
+    ways = {
+        "target_reduction": reduction,
+        "target_count": count,
+        "max_error": max_error,
+        "tolerance": tolerance,
+    }
+    given = {name: value for name, value in ways.items() if value is not None}
+    if len(given) != 1:
+        raise InputError(
+            "Say how much: either --reduction, a share such as 0.9, or --count, a number of points, "
+            "or --max-error or --tolerance, the largest error."
+        )
+    return given
+
+
+def _limits(time_limit: float | None, memory_limit: int | None) -> Limits:
+    from lpcompare.checks import check_integer, check_number
+    from lpcompare.isolation import Limits
+
+    memory = None if memory_limit is None else check_integer("--memory-limit", memory_limit, 1)
+    return Limits(check_number("--time-limit", time_limit or Limits.time_s, 0.0), memory)
+
+
+def _simplify_file(source: Path, target: Path | str, order: _Order, callback: Callback) -> str:
+    """Read, thin, write; returns the report."""
+    from lpcompare.io import read_point_cloud as read
+    from lpcompare.simplify import simplify
+
+    begin = perf_counter()
+    callback("reading", 0, 0)
+    cloud = read(source)
+    callback(order.method, 0, 0)
+    result = simplify(
+        cloud,
+        **order.how_far,
+        method=order.method,
+        drop_invalid=not order.strict,
+        order=order.rank,
+        random_state=order.seed,
+        callback=callback,
+        limits=order.limits,
+        **order.settings,
+    )
+    if order.refine:
+        result = _refined(cloud, result)
+    callback("writing", 0, 0)
     with _output(target) as path:
-        note = _write(source, path, cloud, points, rows)
-    error = record.metrics["plane_error_pct"], record.metrics["plane_error"]
-    return (
-        f"{source.name}: {len(cloud):,} -> {len(points):,} points by {record.method}, eq. 27 error "
-        f"{error[0]:.4f} % of the diagonal ({error[1]:.3g} model units), {record.runtime_s:.2f} s{note}"
-    )
+        notes = _write(source, path, cloud, result, rank=order.rank)
+    callback("error", 0, 0)
+    line = _report(source, cloud, result, notes, begin)
+    return line + (_evaluation(cloud, result) if order.evaluate else "")
 
 
-def _reduce(cloud: PointCloud, order: _Order) -> tuple[Record, Points, Indices | None]:
-    """Run one case of the harness: in a child process, timed, checked and judged."""
-    from lpcompare.benchmark.environment import physical_memory_mib
-    from lpcompare.benchmark.plan import Plan
-    from lpcompare.benchmark.runner import run_plan
-    from lpcompare.errors import InputError, LpcompareError
-    from lpcompare.io.clouds import load_arrays
-    from lpcompare.threads import thread_count
+def _refined(cloud: PointCloud, result: Simplification) -> Simplification:
+    """The result after swaps of its points, where it is a subset."""
+    from dataclasses import replace
+
+    from lpcompare.checks import valid_rows
+    from lpcompare.errors import InputError
+    from lpcompare.uniform.swaps import refine
+
+    if result.indices is None:
+        raise InputError(f"--refine swaps points of the input, and {result.method} makes new ones.")
+    rows = valid_rows(cloud.points).nonzero()[0]
+    begin = perf_counter()
+    kept = rows[refine(cloud.points[rows], rows.searchsorted(result.indices))]
+    seconds = (result.runtime_s or 0.0) + perf_counter() - begin
+    return replace(result, points=cloud.points[kept], indices=kept, runtime_s=seconds)
+
+
+def _write(source: Path, path: Path, cloud: PointCloud, result: Simplification, *, rank: bool) -> list[str]:
+    """Write the result; returns what of the input it lacks, for the report line."""
+    from dataclasses import replace
+
+    from lpcompare.io import keep_rows, left_out, same_format
+    from lpcompare.io import write_point_cloud as write
     from lpcompare.types import PointCloud
 
-    n_points = len(cloud)
-    if order.count is not None and not 1 <= order.count <= n_points:
-        raise InputError(f"--count is {order.count}; {cloud.name} has {n_points} points, so 1 to {n_points}.")
-    share = order.reduction if order.count is None else 1 - order.count / n_points
-    plan = Plan(
-        models=(cloud.name,),
-        variants=(order.variant,),
-        reductions=(0.0 if share is None else share,),
-        seeds=(order.seed,),
-        refine=order.refine,
-        time_limit_s=order.time_limit,
-        memory_limit_mib=physical_memory_mib() * 3 // 4,
-        threads=thread_count(),
-    )
-    plan.check()
-    given = PointCloud(cloud.points, cloud.normals, faces=cloud.faces, name=cloud.name)
-    with tempfile.TemporaryDirectory(prefix="lpcompare-") as folder:
-        (record,) = run_plan(plan, {cloud.name: given}, Path(folder) / "run").records
-        if record.status != "ok":
-            raise LpcompareError(f"{order.variant.method} on {cloud.name}, {record.status}: {record.message}")
-        arrays = load_arrays(Path(folder) / "run" / record.cloud)
-    return record, arrays["points"], arrays.get("indices")
-
-
-def _write(source: Path, path: Path, cloud: PointCloud, points: Points, rows: Indices | None) -> str:
-    """Write the result and return what of the input it lacks, for the report line."""
-    from lpcompare.io import keep_rows, left_out, same_format, write_point_cloud
-    from lpcompare.types import PointCloud
-
-    if rows is None:
-        write_point_cloud(path, PointCloud(points, name=cloud.name))
-        return "; points were moved, so that only coordinates are written"
-    if same_format(source, path):
-        keep_rows(source, path, rows)
-        return _FACES_LEFT_OUT if cloud.faces is not None else ""
-    kept = PointCloud(
-        points,
-        normals=None if cloud.normals is None else cloud.normals[rows],
-        colors=None if cloud.colors is None else cloud.colors[rows],
-        attributes={name: values[rows] for name, values in cloud.attributes.items()},
-        name=cloud.name,
-    )
-    write_point_cloud(path, kept)
+    notes = [result.note] if result.note else []
+    if n_left_out := result.info.get("n_left_out"):
+        notes.append(f"{n_left_out:,} points without coordinates were left out")
+    if result.indices is None:
+        write(path, PointCloud(result.points, name=cloud.name))
+        return [*notes, _MOVED]
+    faces = [_FACES_LEFT_OUT] if cloud.faces is not None else []
+    if same_format(source, path) and not rank:
+        keep_rows(source, path, result.indices)
+        return notes + faces
+    kept = cloud.take(result.indices)
+    if rank:
+        kept = replace(kept, attributes={**kept.attributes, "order": result.info["order"]})
+    write(path, kept)
     lost = left_out(path, kept)
-    note = f"; {path.suffix} holds no {' and no '.join(lost)}" if lost else ""
-    return note + (_FACES_LEFT_OUT if cloud.faces is not None else "")
+    notes += [f"{path.suffix} holds no {' and no '.join(lost)}"] if lost else []
+    return notes + faces
+
+
+def _report(source: Path, cloud: PointCloud, result: Simplification, notes: list[str], begin: float) -> str:
+    """One line: counts, error, seconds, and what was lost."""
+    error, diagonal, sampled = _plane_error(cloud, result)
+    where = f" at {_JUDGED:,} sampled points" if sampled else ""
+    share = f"{100 * error / diagonal:.4f} % of the diagonal" if diagonal else "no extent"
+    seconds = f"{result.runtime_s or 0:.2f} s in the call"
+    if result.calibration_s is not None:
+        seconds += f", {result.calibration_s:.2f} s in its calibration"
+    seconds += f", {perf_counter() - begin:.2f} s in all"
+    return "; ".join(
+        [
+            f"{source.name}: {len(cloud):,} -> {len(result):,} points by {result.method}, "
+            f"plane error (eq. 27) {share} ({error:.3g} model units){where}, {seconds}",
+            *notes,
+        ]
+    )
+
+
+def _plane_error(cloud: PointCloud, result: Simplification) -> tuple[float, float, bool]:
+    """Mean plane error in model units, the diagonal, and whether a sample was judged."""
+    import numpy as np
+
+    from lpcompare.checks import valid_rows
+    from lpcompare.geometry.scale import bounding_box_diagonal
+    from lpcompare.max_error import plane_errors
+
+    points = cloud.points[valid_rows(cloud.points)]
+    diagonal = bounding_box_diagonal(points)
+    sampled = len(points) > _JUDGED
+    if sampled:
+        points = points[np.random.default_rng(0).choice(len(points), _JUDGED, replace=False)]
+    return float(plane_errors(points, result.points).mean()), diagonal, sampled
+
+
+def _evaluation(cloud: PointCloud, result: Simplification) -> str:
+    """Every quick metric, one line each."""
+    from lpcompare.metrics.comparison import evaluate
+
+    values = evaluate(cloud, result)
+    width = max(map(len, values))
+    return "".join(f"\n  {name:<{width}}  {value:.6g}" for name, value in values.items())
 
 
 @contextmanager
@@ -224,11 +336,22 @@ def _same(target: Path, source: Path) -> bool:
     return target.exists() and source.exists() and os.path.samefile(target, source)
 
 
-def _with_progress(pairs: list[tuple[Path, Path | str]], *, quiet: bool) -> Iterator[tuple[Path, Path | str]]:
-    """The pairs, with a bar and the remaining time on stderr where that is a terminal."""
+@contextmanager
+def _stages(*, hidden: bool) -> Iterator[Callback]:
+    """A line on stderr that names the stage and its remaining time, where stderr is a terminal."""
     from rich.console import Console
-    from rich.progress import track
+    from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeRemainingColumn
 
     console = Console(stderr=True)
-    hidden = quiet or not console.is_terminal
-    yield from track(pairs, "Thinning", console=console, transient=True, disable=hidden)
+    columns = (SpinnerColumn(), TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
+    hidden = hidden or not console.is_terminal
+    with Progress(*columns, console=console, transient=True, disable=hidden) as progress:
+        task, shown = progress.add_task("starting", total=None), [""]
+
+        def callback(stage: str, done: int, total: int) -> None:
+            if stage != shown[0]:
+                progress.reset(task, description=stage)
+                shown[0] = stage
+            progress.update(task, completed=done, total=total or None)
+
+        yield callback
