@@ -14,6 +14,7 @@ from lpcompare_baselines._cgal import MOST_CALLS, point_set, rows_of
 from lpcompare_baselines._guards import check_distinct
 
 TRAITS = Traits(
+    family="voxel",
     wraps="CGAL grid_simplify_point_set",
     source="CGAL Point Set Processing; Rossignac and Borrel, Multi-resolution 3D approximations, 1993",
     licence="GPL-3.0",

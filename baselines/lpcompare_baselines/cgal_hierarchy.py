@@ -17,6 +17,7 @@ from lpcompare_baselines._cgal import MOST_CALLS, point_set, rows_of
 from lpcompare_baselines._guards import check_distinct
 
 TRAITS = Traits(
+    family="clustering",
     wraps="CGAL hierarchy_simplify_point_set",
     source="Pauly, Gross and Kobbelt, Efficient simplification of point-sampled surfaces, Visualization 2002",
     licence="GPL-3.0",

@@ -13,6 +13,7 @@ from lpcompare.types import Points, Simplification, Traits
 from lpcompare_baselines._cgal import point_set, rows_of
 
 TRAITS = Traits(
+    family="random",
     wraps="CGAL random_simplify_point_set",
     source="CGAL Point Set Processing",
     licence="GPL-3.0",

@@ -16,6 +16,7 @@ from lpcompare_baselines._cgal import point_set
 from lpcompare_baselines._guards import check_distinct
 
 TRAITS = Traits(
+    family="surface",
     wraps="CGAL wlop_simplify_and_regularize_point_set",
     source="Huang, Li, Zhang, Ascher and Cohen-Or, Consolidation of unorganized point clouds for surface "
     "reconstruction, SIGGRAPH Asia 2009",

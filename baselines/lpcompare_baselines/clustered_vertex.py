@@ -16,6 +16,7 @@ from lpcompare_baselines._guards import check_distinct, check_resolved
 from lpcompare_baselines._meshlab import centred, finest_length, length, mesh_set
 
 TRAITS = Traits(
+    family="voxel",
     wraps="pymeshlab generate_sampling_clustered_vertex (closest to center)",
     source="Rossignac and Borrel, Multi-resolution 3D approximations for rendering complex scenes, 1993",
     licence="GPL-3.0",

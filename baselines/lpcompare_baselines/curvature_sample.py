@@ -13,6 +13,7 @@ from lpcompare.geometry.planes import fit_planes
 from lpcompare.types import Points, Simplification, Traits, Vector
 
 TRAITS = Traits(
+    family="curvature",
     wraps="numpy, scipy.spatial.KDTree",
     source="Pauly, Gross and Kobbelt, Efficient simplification of point-sampled surfaces, Visualization 2002",
     licence="BSD-3-Clause",

@@ -13,6 +13,7 @@ from lpcompare.types import Points, Simplification, Traits
 from lpcompare_baselines._buckets import farthest_points
 
 TRAITS = Traits(
+    family="spacing",
     wraps="numpy",
     source="Eldar, Lindenbaum, Porat and Zeevi, The farthest point strategy for progressive image sampling, "
     "IEEE Transactions on Image Processing 6(9), 1997",

@@ -14,6 +14,7 @@ from lpcompare_baselines._calibration import search_size, surface_spacing
 from lpcompare_baselines._guards import check_distinct
 
 TRAITS = Traits(
+    family="voxel",
     wraps="small_gicp.voxelgrid_sampling",
     source="Koide, small_gicp: Efficient and parallel algorithms for point cloud registration, JOSS 9, 2024",
     licence="MIT",

@@ -14,6 +14,7 @@ from lpcompare_baselines._guards import check_distinct
 from lpcompare_baselines._open3d import point_cloud, points_of
 
 TRAITS = Traits(
+    family="spacing",
     wraps="open3d PointCloud.farthest_point_down_sample",
     source="Eldar, Lindenbaum, Porat and Zeevi, The farthest point strategy for progressive image sampling, "
     "IEEE Transactions on Image Processing 6(9), 1997",

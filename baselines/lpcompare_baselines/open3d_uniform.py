@@ -13,6 +13,7 @@ from lpcompare_baselines._faces import rows_at
 from lpcompare_baselines._open3d import point_cloud, points_of
 
 TRAITS = Traits(
+    family="random",
     wraps="open3d PointCloud.uniform_down_sample",
     source="Zhou, Park and Koltun, Open3D: A modern library for 3D data processing, 2018",
     licence="MIT",

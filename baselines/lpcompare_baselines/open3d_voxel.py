@@ -14,6 +14,7 @@ from lpcompare_baselines._guards import check_distinct
 from lpcompare_baselines._open3d import point_cloud, points_of
 
 TRAITS = Traits(
+    family="voxel",
     wraps="open3d PointCloud.voxel_down_sample",
     source="Zhou, Park and Koltun, Open3D: A modern library for 3D data processing, 2018",
     licence="MIT",

@@ -14,6 +14,7 @@ from lpcompare.types import Points, Simplification, Traits
 from lpcompare_baselines._guards import check_distinct
 
 TRAITS = Traits(
+    family="spacing",
     wraps="point_cloud_utils.downsample_point_cloud_poisson_disk",
     source="Corsini, Cignoni and Scopigno, Efficient and flexible sampling with blue noise properties of "
     "triangular meshes, IEEE TVCG 18(6), 2012",

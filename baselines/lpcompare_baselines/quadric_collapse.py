@@ -13,6 +13,7 @@ from lpcompare.types import PointCloud, Points, Simplification, Traits
 from lpcompare_baselines._collapse import collapse, search_faces
 
 TRAITS = Traits(
+    family="mesh",
     wraps="pymeshlab meshing_decimation_quadric_edge_collapse",
     source="Garland and Heckbert, Surface simplification using quadric error metrics, SIGGRAPH 1997",
     licence="GPL-3.0",

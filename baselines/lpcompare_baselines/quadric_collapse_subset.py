@@ -14,6 +14,7 @@ from lpcompare_baselines._collapse import collapse, search_faces
 from lpcompare_baselines._faces import rows_at
 
 TRAITS = Traits(
+    family="mesh",
     wraps="pymeshlab meshing_decimation_quadric_edge_collapse (optimalplacement=False)",
     source="Garland and Heckbert, Surface simplification using quadric error metrics, SIGGRAPH 1997",
     licence="GPL-3.0",

@@ -16,6 +16,7 @@ from lpcompare.types import PointCloud, Points, Simplification, Traits
 from lpcompare_baselines._faces import faces_of, search_n_faces
 
 TRAITS = Traits(
+    family="mesh",
     wraps="fast_simplification.simplify",
     source="Garland and Heckbert, Surface simplification using quadric error metrics, SIGGRAPH 1997",
     licence="MIT",

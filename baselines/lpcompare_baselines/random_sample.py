@@ -7,6 +7,7 @@ import numpy as np
 from lpcompare.types import Points, Simplification, Traits
 
 TRAITS = Traits(
+    family="random",
     wraps="numpy.random.Generator.choice",
     source="Vitter, Random sampling with a reservoir, ACM TOMS 11(1), 1985",
     licence="BSD-3-Clause",

@@ -15,6 +15,7 @@ from lpcompare_baselines._guards import check_distinct, check_resolved
 from lpcompare_baselines._meshlab import finest_length, mesh_set, rows_of
 
 TRAITS = Traits(
+    family="spacing",
     wraps="pymeshlab generate_simplified_point_cloud",
     source="Corsini, Cignoni and Scopigno, Efficient and flexible sampling with blue noise properties of "
     "triangular meshes, IEEE TVCG 18(6), 2012",

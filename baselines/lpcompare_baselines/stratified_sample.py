@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from lpcompare.types import Points, Simplification, Traits
 
 TRAITS = Traits(
+    family="voxel",
     wraps="numpy",
     source="Cochran, Sampling Techniques, Wiley 1977, chapter 5; Morton, A computer oriented geodetic data "
     "base, IBM 1966",

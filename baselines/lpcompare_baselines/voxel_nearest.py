@@ -13,6 +13,7 @@ from lpcompare_baselines._cells import cell_means, finest_cell, grid_cells, n_oc
 from lpcompare_baselines._guards import check_distinct, check_resolved
 
 TRAITS = Traits(
+    family="voxel",
     wraps="numpy",
     source="Rusu and Cousins, 3D is here: Point Cloud Library, ICRA 2011 (VoxelGrid)",
     licence="BSD-3-Clause",

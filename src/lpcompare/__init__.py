@@ -1,33 +1,95 @@
-"""lpcompare: point cloud simplification by boolean linear programming, compared with its rivals.
+"""lpcompare: thin 3D point clouds by boolean linear programs, and compare methods at equal counts.
+
+::
+
+    import lpcompare as lp
+
+    cloud = lp.read("scan.laz")
+    result = lp.simplify(cloud, target_reduction=0.9)
+    lp.write("thin.laz", cloud.take(result.indices))
+    lp.evaluate(cloud, result)
+    run = lp.run(models=["bunny", cloud], methods=["lp_uniform", "poisson_disk"], reductions=[0.7, 0.9])
+    run.frame
 
 The names below are imported when they are first used, so that ``import lpcompare`` stays fast.
 """
 
 from __future__ import annotations
 
+import sys
 from importlib import import_module
+from types import ModuleType
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from lpcompare.benchmark.record import Run, load_run
+    from lpcompare.benchmark.runner import run
+    from lpcompare.io.formats import read, write
+    from lpcompare.listing import methods, metrics, models
+    from lpcompare.metrics.comparison import evaluate
     from lpcompare.paper.simplifier import LPSimplifier
     from lpcompare.simplify import simplify
     from lpcompare.types import PointCloud, Simplification
+    from lpcompare.uniform.simplifier import UniformSimplifier
 
-__all__ = ["LPSimplifier", "PointCloud", "Simplification", "simplify"]
+    __version__: str
 
 _HOMES = {
-    "LPSimplifier": "lpcompare.paper.simplifier",
-    "PointCloud": "lpcompare.types",
-    "Simplification": "lpcompare.types",
-    "simplify": "lpcompare.simplify",
+    "LPSimplifier": "paper.simplifier",
+    "PointCloud": "types",
+    "Run": "benchmark.record",
+    "Simplification": "types",
+    "UniformSimplifier": "uniform.simplifier",
+    "evaluate": "metrics.comparison",
+    "load_run": "benchmark.record",
+    "methods": "listing",
+    "metrics": "listing",
+    "models": "listing",
+    "read": "io.formats",
+    "run": "benchmark.runner",
+    "simplify": "simplify",
+    "write": "io.formats",
 }
+
+__all__ = [
+    "LPSimplifier",
+    "PointCloud",
+    "Run",
+    "Simplification",
+    "UniformSimplifier",
+    "__version__",
+    "evaluate",
+    "load_run",
+    "methods",
+    "metrics",
+    "models",
+    "read",
+    "run",
+    "simplify",
+    "write",
+]
 
 
 def __getattr__(name: str) -> object:
+    if name == "__version__":
+        from importlib.metadata import version
+
+        return version("lpcompare")
     if name not in _HOMES:
         raise AttributeError(f"module 'lpcompare' has no attribute {name!r}")
-    return getattr(import_module(_HOMES[name]), name)
+    return getattr(import_module(f"lpcompare.{_HOMES[name]}"), name)
 
 
 def __dir__() -> list[str]:
     return sorted(__all__)
+
+
+class _Front(ModuleType):
+    """The package, whose functions are not hidden by the sub-packages of their names."""
+
+    def __setattr__(self, name: str, value: object) -> None:
+        if not (name in _HOMES and isinstance(value, ModuleType)):
+            super().__setattr__(name, value)
+
+
+sys.modules[__name__].__class__ = _Front

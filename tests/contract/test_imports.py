@@ -21,6 +21,8 @@ ALLOWED = {
     "paper": CORE | {"geometry", "threads", "checks", "progress"},
     "uniform": CORE | {"geometry", "threads", "checks", "progress", "paper"},
     "methods": CORE | {"progress", "geometry", "paper", "uniform"},
+    "listing": CORE | {"registry", "models"},
+    "testing": CORE | {"registry"},
     "simplify": CORE | {"checks", "max_error", "registry", "isolation"},
     "isolation": CORE | {"registry", "threads", "io", "benchmark"},
     "baselines": CORE | {"mesh_library", "geometry"},

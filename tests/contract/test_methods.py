@@ -1,17 +1,16 @@
 """What every method found must keep: counts, subsets, repeatability, clean inputs."""
 
-import inspect
 import subprocess
 import sys
 
 import numpy as np
 import pytest
 
-from lpcompare.errors import NotApplicable
+from lpcompare.errors import InputError, MethodError, NotApplicable
 from lpcompare.registry import METHODS, call
-from lpcompare.types import PointCloud, Simplification
-
-N_POINTS, TARGET = 600, 150
+from lpcompare.simplify import simplify
+from lpcompare.testing import check_method, sphere
+from lpcompare.types import PointCloud
 
 
 def usable():
@@ -22,48 +21,12 @@ def usable():
 
 @pytest.fixture(scope="module")
 def cloud():
-    """A closed triangulated sphere: points, normals and faces."""
-    from scipy.spatial import ConvexHull
-
-    rng = np.random.default_rng(7)
-    points = rng.normal(size=(N_POINTS, 3))
-    points /= np.linalg.norm(points, axis=1, keepdims=True)
-    return PointCloud(
-        points, normals=points.copy(), faces=outward(points, ConvexHull(points).simplices), name="sphere"
-    )
-
-
-def outward(points, faces):
-    a, b, c = (points[faces[:, i]] for i in range(3))
-    inward = np.einsum("fi,fi->f", np.cross(b - a, c - a), a) < 0
-    faces[inward] = faces[inward][:, ::-1]
-    return faces.astype(np.intp)
-
-
-def run(name, cloud, target=TARGET, seed=0):
-    return call(name, cloud, target, random_state=seed)
+    return sphere()
 
 
 @pytest.mark.parametrize("name", list(usable()))
-def test_result_keeps_the_promises_of_its_traits(name, cloud):
-    traits, before = METHODS.traits(name), cloud.points.copy()
-    result = run(name, cloud)
-    assert isinstance(result, Simplification)
-    assert result.points.shape == (len(result), 3)
-    assert result.points.dtype == np.float64
-    assert np.isfinite(result.points).all()
-    assert np.array_equal(cloud.points, before), "the input was changed"
-    assert all(isinstance(v, float) and v >= 0 for v in result.timings.values())
-    if traits.exact_count:
-        assert len(result) == TARGET
-    else:
-        assert 1 <= len(result) <= N_POINTS
-    if traits.keeps_indices:
-        assert result.indices is not None
-        assert (np.diff(result.indices) > 0).all(), "indices ascend and are distinct"
-        assert np.array_equal(result.points, cloud.points[result.indices])
-    else:
-        assert result.indices is None
+def test_a_method_keeps_its_promises(name):
+    check_method(name)
 
 
 @pytest.mark.parametrize("name", METHODS.names())
@@ -72,23 +35,15 @@ def test_source_says_what_it_is_and_where_it_comes_from(name):
     assert METHODS.summary(name).endswith(".")
     assert traits.wraps
     assert traits.licence
+    assert traits.family
     assert not traits.requires or traits.extra
-
-
-@pytest.mark.parametrize("name", list(usable()))
-def test_function_takes_points_count_rng_and_keyword_settings_with_defaults(name):
-    parameters = list(inspect.signature(METHODS.get(name)).parameters.values())
-    assert [p.name for p in parameters[:2]] == ["points", "target_count"]
-    assert all(p.kind is p.KEYWORD_ONLY for p in parameters[2:])
-    assert "rng" in {p.name for p in parameters}
-    assert METHODS.get(name).__doc__
 
 
 @pytest.mark.parametrize("name", list(usable()))
 def test_a_method_that_needs_a_mesh_declines_a_cloud_without_faces(name, cloud):
     if METHODS.traits(name).needs_mesh:
         with pytest.raises(NotApplicable):
-            run(name, PointCloud(cloud.points, name="bare"))
+            call(name, PointCloud(cloud.points, name="bare"), 150)
 
 
 IN_PROCESS = ("lpcompare", "numpy", "scipy")
@@ -107,16 +62,10 @@ print(len(result), hashlib.sha256(result.points.tobytes()).hexdigest())
 """
 
 
-def seeded(*, in_process):
-    return [p for p in usable() if in_process == METHODS.traits(p.values[0]).wraps.startswith(IN_PROCESS)]
+OUTSIDE = [p for p in usable() if not METHODS.traits(p.values[0]).wraps.startswith(IN_PROCESS)]
 
 
-@pytest.mark.parametrize("name", seeded(in_process=True))
-def test_same_seed_gives_the_same_points(name, cloud):
-    assert np.array_equal(run(name, cloud, seed=3).points, run(name, cloud, seed=3).points)
-
-
-@pytest.mark.parametrize("name", seeded(in_process=False))
+@pytest.mark.parametrize("name", OUTSIDE)
 def test_same_seed_gives_the_same_points_in_a_fresh_process(name, cloud, tmp_path):
     """A wrapped library may keep a generator of its own; the harness gives each case a process."""
     np.savez(tmp_path / "cloud.npz", points=cloud.points, faces=cloud.faces)
@@ -127,3 +76,28 @@ def test_same_seed_gives_the_same_points_in_a_fresh_process(name, cloud, tmp_pat
     ]
     assert draws[0] == draws[1]
     assert draws[0].split()[0].isdigit()
+
+
+@pytest.mark.parametrize("name", [n for n in METHODS if METHODS.traits(n).own_process])
+def test_the_public_function_repeats_what_only_a_fresh_process_repeats(name):
+    points = np.random.default_rng(7).normal(size=(25_000, 3))
+    points /= np.linalg.norm(points, axis=1, keepdims=True)
+    first, again = (simplify(points, target_count=2500, method=name, random_state=3) for _ in range(2))
+    assert np.array_equal(first.points, again.points)
+
+
+def test_an_order_is_for_progressive_methods_only(cloud):
+    with pytest.raises(InputError, match="choose a progressive method"):
+        simplify(cloud, target_count=10, method="random_sample", order=True)
+
+
+def test_a_method_that_breaks_a_promise_is_named(cloud, monkeypatch):
+    import lpcompare_baselines.random_sample as file
+
+    def cheat(points, target_count, *, rng):
+        """Return one point too few."""
+        return file.Simplification(points[: target_count // 2], np.arange(target_count // 2))
+
+    monkeypatch.setattr(file, "random_sample", cheat)
+    with pytest.raises(MethodError, match="random_sample: The method returned 75 points and promises"):
+        call("random_sample", cloud, 150)

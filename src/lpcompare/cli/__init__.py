@@ -6,6 +6,7 @@ import os
 import sys
 from importlib import import_module
 from pkgutil import iter_modules
+from typing import Annotated
 
 import typer
 
@@ -23,10 +24,26 @@ def build_app() -> typer.Typer:
         pretty_exceptions_enable=False,
         context_settings={"help_option_names": ["-h", "--help"]},
     )
-    app.callback()(lambda: None)
+    app.callback()(_root)
     for file in sorted(m.name for m in iter_modules(__path__) if not m.name.startswith("_")):
         app.command(file.replace("_", "-"))(import_module(f"{__name__}.{file}").command)
     return app
+
+
+def _print_version(asked: bool) -> None:
+    if asked:
+        from lpcompare import __version__
+
+        typer.echo(f"lpcompare {__version__}")
+        raise typer.Exit
+
+
+def _root(
+    version: Annotated[
+        bool, typer.Option("--version", is_eager=True, callback=_print_version, help="Print the version.")
+    ] = False,
+) -> None:
+    """Hold the options of the whole command."""
 
 
 def main() -> None:

@@ -1,39 +1,49 @@
-"""``lpcompare list``: what there is, one line each; imports no method."""
+"""``lpcompare list``: what there is, one line each, or all about one thing; imports no rival for a list."""
 
 from __future__ import annotations
 
+import shutil
+import sys
 import textwrap
-from collections.abc import Callable
 from typing import Annotated
 
 import typer
 
-_WIDTH = 100
+_KINDS = ("methods", "models", "metrics")
+_NARROWEST = 80
 
 
 def command(
-    kind: Annotated[str, typer.Argument(help="methods, models or metrics; all three by default.")] = "",
+    what: Annotated[
+        str, typer.Argument(metavar="[KIND | NAME]", help="methods, models, metrics, or one of their names.")
+    ] = "",
 ) -> None:
-    """List methods, models and metrics."""
-    from lpcompare.errors import UnknownName
+    """List methods, models and metrics, or explain one of them.
 
-    parts: dict[str, Callable[[], dict[str, str]]] = {
-        "methods": _methods,
-        "models": _models,
-        "metrics": _metrics,
-    }
-    if kind and kind not in parts:
-        raise UnknownName("kind of list", kind, parts)
-    for name in [kind] if kind else parts:
-        if not kind:
-            typer.echo(f"{name}:")
-        typer.echo(_lines(parts[name]()))
+    Example: lpcompare list lp_uniform
+    """
+    from lpcompare.registry import METHODS, METRICS
+
+    tables = {"methods": _methods, "models": _models, "metrics": _metrics}
+    if what and what not in tables:
+        typer.echo(_explain(what))
+        return
+    for kind in [what] if what else _KINDS:
+        if not what:
+            typer.echo(f"{kind}:")
+        typer.echo(_lines(tables[kind]()))
+    for note in METHODS.notes + METRICS.notes:
+        sys.stderr.write(f"lpcompare: {note}\n")
+
+
+def _width() -> int:
+    return max(shutil.get_terminal_size((100, 24)).columns, _NARROWEST)
 
 
 def _lines(entries: dict[str, str]) -> str:
-    width = max(map(len, entries), default=0) + 2
+    indent = max(map(len, entries), default=0) + 2
     return "\n".join(
-        f"{name:<{width}}{textwrap.shorten(text, _WIDTH - width, placeholder='...')}"
+        f"{name:<{indent}}{textwrap.shorten(text, _width() - indent, placeholder='...')}"
         for name, text in entries.items()
     )
 
@@ -41,11 +51,14 @@ def _lines(entries: dict[str, str]) -> str:
 def _methods() -> dict[str, str]:
     from lpcompare.registry import METHODS
 
-    return {name: _availability(METHODS.missing(name)) + METHODS.summary(name) for name in METHODS}
+    return {name: _flags(name) + METHODS.summary(name) for name in METHODS}
 
 
-def _availability(missing: str) -> str:
-    return "(not installed) " if missing else ""
+def _flags(name: str) -> str:
+    from lpcompare.registry import METHODS
+
+    flags = ["not installed"] * bool(METHODS.missing(name)) + ["reading"] * METHODS.traits(name).reading
+    return f"({', '.join(flags)}) " if flags else ""
 
 
 def _metrics() -> dict[str, str]:
@@ -58,3 +71,48 @@ def _models() -> dict[str, str]:
     from lpcompare.models import model_names, model_summary
 
     return {name: model_summary(name) for name in model_names()}
+
+
+def _explain(name: str) -> str:
+    from lpcompare.errors import UnknownName
+    from lpcompare.models import model_names, model_summary
+    from lpcompare.registry import METHODS, METRICS
+
+    if name in METHODS:
+        return _explain_method(name)
+    if name in METRICS:
+        return METRICS.documentation(name)
+    if name in model_names():
+        return model_summary(name)
+    raise UnknownName(
+        "method, metric, model or kind of list", name, [*_KINDS, *METHODS, *METRICS, *model_names()]
+    )
+
+
+def _explain_method(name: str) -> str:
+    """What a method is, needs and promises, and its settings with their defaults."""
+    from lpcompare.registry import METHODS
+
+    traits, missing = METHODS.traits(name), METHODS.missing(name)
+    facts = {
+        "wraps": traits.wraps,
+        "source": traits.source,
+        "licence": traits.licence,
+        "needs": "a triangle mesh" if traits.needs_mesh else "points alone",
+        "returns": "new points" if traits.moves_points else "a subset of the input",
+        "count": "exact" if traits.exact_count else "near the one asked for",
+        "order": "progressive: every prefix is a thinning" if traits.progressive else "",
+        "comes from": METHODS.origin(name),
+        "missing": missing,
+    }
+    lines = [METHODS.documentation(name), ""]
+    lines += [
+        textwrap.fill(f"{key + ':':<12}{value}", _width(), subsequent_indent=" " * 12)
+        for key, value in facts.items()
+        if value
+    ]
+    if not missing:
+        settings = METHODS.settings(name)
+        lines += ["settings:"] + [f"  {key} = {value!r}" for key, value in settings.items()]
+        lines += ["  none"] * (not settings)
+    return "\n".join(lines)

@@ -17,6 +17,7 @@ from lpcompare.progress import Callback
 from lpcompare.types import Points, Simplification, Traits
 
 TRAITS = Traits(
+    family="ours",
     wraps="lpcompare (cvxpy, HiGHS)",
     source="Leal and others, A Linear Programming Approach for 3D Point Cloud Simplification, 2017",
 )

@@ -14,6 +14,7 @@ from lpcompare.types import Points, Simplification, Traits
 from lpcompare.uniform.simplifier import simplify_uniformly
 
 TRAITS = Traits(
+    family="ours",
     wraps="lpcompare (cvxpy, HiGHS)",
     source="Leal and others, A Linear Programming Approach for 3D Point Cloud Simplification, 2017",
 )
