@@ -8,24 +8,10 @@ import numpy as np
 
 from lpcompare.checks import check_number
 from lpcompare.errors import InputError
-from lpcompare.geometry.neighbors import Neighbors
-from lpcompare.geometry.planes import plane_distances
-from lpcompare.geometry.scale import bounding_box_center, bounding_box_diagonal
+from lpcompare.metrics.comparison import Comparison
 from lpcompare.types import Points, Simplification
 
-_NEIGHBORS = 8
 _PRECISION = 200
-
-
-def plane_error_percent(points: Points, reduced: Points) -> float:
-    """Eq. 27 with 8 neighbours, in % of the bounding-box diagonal of ``points``; 0 without extent."""
-    diagonal = bounding_box_diagonal(points)
-    if diagonal == 0:
-        return 0.0
-    center = bounding_box_center(points)
-    original, simplified = points - center, reduced - center
-    indices = Neighbors(simplified).query(original, _NEIGHBORS)[1]
-    return 100.0 * float(plane_distances(original, simplified, indices).mean()) / diagonal
 
 
 def simplify_within(
@@ -55,7 +41,7 @@ def simplify_within(
         ``max_error`` is negative, or smaller than the error of the whole cloud.
     """
     bound = check_number("max_error", max_error, 0.0)
-    whole = plane_error_percent(points, points)
+    whole = Comparison(points, points).plane_error_percent()
     if whole > bound:
         raise InputError(
             f"max_error is {bound:g} % of the diagonal, but all {len(points)} points together have an error "
@@ -67,7 +53,7 @@ def simplify_within(
     while high - low > max(1, high // _PRECISION):
         count = int(np.clip(guess, low + 1, high - 1))
         result = reduce(count)
-        error = plane_error_percent(points, result.points)
+        error = Comparison(points, result.points).plane_error_percent()
         if error <= bound:
             high, best = count, (result, error)
         else:
