@@ -112,6 +112,12 @@ class Comparison:
         """Row of the nearest original of each simplified point, shape (m,)."""
         return self._backward[1][:, 0]
 
+    def nearest(self, n_neighbors: int) -> NDArray[np.intp]:
+        """Rows of the nearest simplified points of each original, nearest first, shape (n, k)."""
+        if n_neighbors <= _LARGEST_NEIGHBORHOOD:
+            return self._forward[1][:, :n_neighbors]
+        return self.simplified_neighbors.query(self.original, n_neighbors)[1]
+
     @property
     def spacings(self) -> Vector:
         """Distance of each simplified point to the next one, shape (m,), in model units; 0 for one alone."""
@@ -142,10 +148,8 @@ class Comparison:
         ndarray, shape (n,), in model units.
         """
         if n_neighbors not in self._plane_errors:
-            within = n_neighbors <= _LARGEST_NEIGHBORHOOD
-            nearest = self._forward if within else self.simplified_neighbors.query(self.original, n_neighbors)
-            indices = nearest[1][:, :n_neighbors]
-            self._plane_errors[n_neighbors] = plane_distances(self.original, self.simplified, indices)
+            nearest = self.nearest(n_neighbors)
+            self._plane_errors[n_neighbors] = plane_distances(self.original, self.simplified, nearest)
         return self._plane_errors[n_neighbors]
 
     def plane_error_percent(self, n_neighbors: int = 8) -> float:

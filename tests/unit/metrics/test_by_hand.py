@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lpcompare.metrics.comparison import Comparison
+from lpcompare.metrics.mls_distance import mls_distances
 from lpcompare.registry import METRICS
 
 LINE = np.array([[0.0, 0, 0], [1, 0, 0], [2, 0, 0], [3, 0, 0], [10, 0, 0]])
@@ -148,3 +149,49 @@ def test_a_larger_subset_covers_no_less(seed, n):
     for metric in ("mean_distance", "hausdorff"):
         larger, smaller = (value(metric, original, kept)[f"{metric}_pct"] for kept in (more, few))
         assert larger <= smaller + 1e-12
+
+
+def test_the_mls_distance_to_a_plane_is_that_along_its_normal():
+    lifted = plane(40)[::7] + np.array([0.0, 0.0, 0.25])
+    found = value("mls_distance", lifted, plane(40))
+    assert found["mls_distance_pct"] == pytest.approx(100 * 0.25 / np.linalg.norm(np.ptp(lifted, axis=0)))
+    assert found["mls_distance_max_pct"] == pytest.approx(found["mls_distance_pct"])
+    assert value("mls_distance", plane(), plane())["mls_distance_max_pct"] == pytest.approx(0, abs=1e-12)
+
+
+def test_the_mls_distance_of_a_pole_to_a_ring_of_its_sphere_is_the_sagitta():
+    """All twelve neighbours weigh alike, so that the plane is that of their circle."""
+    angles, polar = np.arange(12) * np.pi / 6, 0.1
+    ring = np.column_stack(
+        [np.sin(polar) * np.cos(angles), np.sin(polar) * np.sin(angles), np.full(12, np.cos(polar))]
+    )
+    comparison = Comparison(np.array([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]]), ring)
+    assert mls_distances(comparison)[0] == pytest.approx(1 - np.cos(polar))
+
+
+def test_the_mls_distance_falls_with_the_square_of_the_spacing_on_a_sphere():
+    def mean(n):
+        turns = np.arange(n) * np.pi * (3 - math.sqrt(5))
+        height = 1 - (2 * np.arange(n) + 1) / n
+        radius = np.sqrt(1 - height**2)
+        spiral = np.column_stack([radius * np.cos(turns), radius * np.sin(turns), height])
+        queries = np.random.default_rng(0).normal(size=(2000, 3))
+        queries /= np.linalg.norm(queries, axis=1, keepdims=True)
+        return mls_distances(Comparison(queries, spiral)).mean()
+
+    assert mean(1000) / mean(4000) == pytest.approx(4, rel=0.02)
+
+
+def test_the_mls_distance_above_a_quadric_is_its_weighted_mean_height():
+    """By the definition, point by point: the bowl is symmetric, so that the plane is level."""
+    bowl = plane(9) - 4.0
+    bowl[:, 2] = 0.05 * (bowl[:, 0] ** 2 + bowl[:, 1] ** 2)
+    comparison = Comparison(np.array([[0.0, 0.0, 0.0], [8.0, 8.0, 8.0]]), bowl)
+    near = sorted(bowl.tolist(), key=lambda p: p[0] ** 2 + p[1] ** 2 + p[2] ** 2)[:9]
+    width = math.dist(near[-1], [0.0, 0.0, 0.0]) / 3
+    foot = 0.0
+    for _ in range(60):
+        weights = [math.exp(-(math.dist(p, [0.0, 0.0, foot]) ** 2) / width**2) for p in near]
+        foot = sum(w * p[2] for w, p in zip(weights, near, strict=True)) / sum(weights)
+    assert foot > 0
+    assert mls_distances(comparison, 9)[0] == pytest.approx(foot, rel=1e-9)
