@@ -20,7 +20,7 @@ COLUMNS = {
     "plane_error_k12_pct": "k = 12",
     "surface_distance_pct": "surface",
     "hausdorff_pct": "Hausdorff",
-    "coverage_mean_pct": "coverage",
+    "mean_distance_pct": "coverage",
     "normal_deviation_deg": "normals",
 }
 

@@ -9,9 +9,8 @@ import numpy as np
 
 from lpcompare.checks import check_choice, check_number
 from lpcompare.errors import InputError
-from lpcompare.geometry.neighbors import Neighbors
-from lpcompare.geometry.planes import plane_distances
-from lpcompare.geometry.scale import bounding_box_center, bounding_box_diagonal
+from lpcompare.geometry.scale import bounding_box_diagonal
+from lpcompare.metrics.comparison import Comparison
 from lpcompare.types import Points, Simplification, Vector
 
 _NEIGHBORS = 8
@@ -21,14 +20,6 @@ _STATISTICS: dict[str, Callable[[Vector], float]] = {
     "p95": lambda errors: float(np.quantile(errors, 0.95)),
     "max": lambda errors: float(errors.max()),
 }
-
-
-def plane_errors(points: Points, reduced: Points) -> Vector:
-    """Eq. 27 of each point: its distance to the plane of its 8 nearest reduced points, in model units."""
-    center = bounding_box_center(points)
-    original, simplified = points - center, reduced - center
-    indices = Neighbors(simplified).query(original, _NEIGHBORS)[1]
-    return plane_distances(original, simplified, indices)
 
 
 def simplify_within(
@@ -73,9 +64,9 @@ def simplify_within(
 
     def attempt(count: int) -> tuple[Simplification, float]:
         result = reduce(count)
-        return result, measure(plane_errors(points, result.points))
+        return result, measure(Comparison(points, result.points).plane_errors(_NEIGHBORS))
 
-    whole = measure(plane_errors(points, points))
+    whole = measure(Comparison(points, points).plane_errors(_NEIGHBORS))
     if whole > bound:
         raise InputError(
             f"The error bound is {bound:.4g} model units, but all {len(points)} points together have a "

@@ -40,6 +40,6 @@ def test_method(name, bunny, benchmark):
     except NotApplicable as reason:
         pytest.skip(str(reason))
     comparison = Comparison(bunny.points, result.points)
-    error = comparison.percent(float(comparison.plane_errors(8).mean()))
+    error = comparison.plane_error_percent()
     benchmark.extra_info |= {"n_asked": target, "n_output": len(result), "plane_error_pct": error}
     assert np.isfinite(error)

@@ -74,7 +74,7 @@ def timed(benchmark, stage):
 
 def judge(benchmark, cloud, kept):
     comparison = Comparison(cloud, kept)
-    error = comparison.percent(float(comparison.plane_errors(8).mean()))
+    error = comparison.plane_error_percent()
     benchmark.extra_info |= {"n_output": len(kept), "plane_error_pct": error}
     assert np.isfinite(error)
 

@@ -17,7 +17,7 @@ ALLOWED = {
     "geometry": CORE | {"threads"},
     "mesh_library": CORE,
     "io": CORE | {"mesh_library", "files"},
-    "max_error": CORE | {"geometry", "checks"},
+    "max_error": CORE | {"geometry", "metrics", "checks"},
     "paper": CORE | {"geometry", "threads", "checks", "progress"},
     "uniform": CORE | {"geometry", "threads", "checks", "progress", "paper"},
     "methods": CORE | {"progress", "geometry", "paper", "uniform"},
@@ -26,7 +26,7 @@ ALLOWED = {
     "simplify": CORE | {"checks", "max_error", "registry", "isolation"},
     "isolation": CORE | {"registry", "threads", "io", "benchmark"},
     "baselines": CORE | {"mesh_library", "geometry"},
-    "metrics": CORE | {"mesh_library", "geometry"},
+    "metrics": CORE | {"checks", "mesh_library", "geometry", "registry"},
     "models": CORE | {"mesh_library", "geometry", "io"},
     "registry": CORE,
     "benchmark": CORE

@@ -251,14 +251,14 @@ def _plane_error(cloud: PointCloud, result: Simplification) -> tuple[float, floa
 
     from lpcompare.checks import valid_rows
     from lpcompare.geometry.scale import bounding_box_diagonal
-    from lpcompare.max_error import plane_errors
+    from lpcompare.metrics.comparison import Comparison
 
     points = cloud.points[valid_rows(cloud.points)]
     diagonal = bounding_box_diagonal(points)
     sampled = len(points) > _JUDGED
     if sampled:
         points = points[np.random.default_rng(0).choice(len(points), _JUDGED, replace=False)]
-    return float(plane_errors(points, result.points).mean()), diagonal, sampled
+    return float(Comparison(points, result.points).plane_errors(8).mean()), diagonal, sampled
 
 
 def _evaluation(cloud: PointCloud, result: Simplification) -> str:

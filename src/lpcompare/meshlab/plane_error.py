@@ -52,15 +52,15 @@ def _summary(layers: Any, original: int, simplified: int, n_neighbors: int) -> t
     first, second = (coordinates(layers.mesh(mesh_id)) for mesh_id in (original, simplified))
     comparison = Comparison(first, second)
     distances = comparison.plane_errors(n_neighbors)
-    mean, largest = float(distances.mean()), float(distances.max())
+    largest = float(distances.max())
     return {
         "RMS": float(np.sqrt((distances**2).mean())),
         "diag_mesh_0": comparison.diagonal,
         "diag_mesh_1": bounding_box_diagonal(second),
         "max": largest,
         "max_percent": comparison.percent(largest),
-        "mean": mean,
-        "mean_percent": comparison.percent(mean),
+        "mean": float(distances.mean()),
+        "mean_percent": comparison.plane_error_percent(n_neighbors),
         "min": float(distances.min()),
         "n_samples": len(distances),
     }, distances

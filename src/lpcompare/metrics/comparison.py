@@ -1,4 +1,4 @@
-"""An original cloud and its simplification, with the neighbour queries that the metrics share."""
+"""An original cloud and its simplification: what the metrics share, and every quick metric at once."""
 
 from __future__ import annotations
 
@@ -7,13 +7,52 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from lpcompare.checks import check_points, valid_rows
 from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.geometry.planes import fit_planes, plane_distances
 from lpcompare.geometry.scale import bounding_box_center, bounding_box_diagonal
-from lpcompare.types import Points, Vector
+from lpcompare.registry import METRICS
+from lpcompare.types import PointCloud, Points, Simplification, Vector
 
 _LARGEST_NEIGHBORHOOD = 12
 _NORMAL_NEIGHBORS = 10
+
+
+def evaluate(cloud: PointCloud | Points, result: Simplification | PointCloud | Points) -> dict[str, float]:
+    """Every quick metric of a simplification.
+
+    Parameters
+    ----------
+    cloud : PointCloud or ndarray, shape (n, 3)
+        The original, finite, in model units.
+    result : Simplification, PointCloud or ndarray, shape (m, 3)
+        The reduced cloud, m >= 1, in the same units.
+
+    Returns
+    -------
+    dict of str to float
+        One number per column. `lpcompare.metrics` explains the columns; the slow metrics, which triangulate
+        a surface, are left out.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from lpcompare.metrics.comparison import evaluate
+    >>> ground = np.random.default_rng(0).uniform(size=(2000, 3)) * [10.0, 10.0, 0.0]
+    >>> values = evaluate(ground, ground[::10])
+    >>> round(values["plane_error_pct"], 6), values["hausdorff_pct"] > values["mean_distance_pct"] > 0
+    (0.0, True)
+    """
+    comparison = Comparison(_coordinates(cloud), _coordinates(result))
+    quick = (name for name in METRICS if getattr(METRICS.module(name), "COST", "") != "slow")
+    return {key: value for name in quick for key, value in METRICS.get(name)(comparison).items()}
+
+
+def _coordinates(cloud: PointCloud | Simplification | Points) -> Points:
+    """Clean coordinates; points without any are left out, as `lpcompare.simplify` can leave them out."""
+    points = cloud if isinstance(cloud, np.ndarray) else cloud.points
+    known = points.ndim == 2 and points.dtype.kind == "f"
+    return check_points(points[valid_rows(points)] if known else points)
 
 
 class Comparison:
@@ -76,6 +115,12 @@ class Comparison:
         """Row of the nearest original of each simplified point, shape (m,)."""
         return self._backward[1][:, 0]
 
+    def nearest(self, n_neighbors: int) -> NDArray[np.intp]:
+        """Rows of the nearest simplified points of each original, nearest first, shape (n, k)."""
+        if n_neighbors <= _LARGEST_NEIGHBORHOOD:
+            return self._forward[1][:, :n_neighbors]
+        return self.simplified_neighbors.query(self.original, n_neighbors)[1]
+
     @property
     def spacings(self) -> Vector:
         """Distance of each simplified point to the next one, shape (m,), in model units; 0 for one alone."""
@@ -106,11 +151,13 @@ class Comparison:
         ndarray, shape (n,), in model units.
         """
         if n_neighbors not in self._plane_errors:
-            within = n_neighbors <= _LARGEST_NEIGHBORHOOD
-            nearest = self._forward if within else self.simplified_neighbors.query(self.original, n_neighbors)
-            indices = nearest[1][:, :n_neighbors]
-            self._plane_errors[n_neighbors] = plane_distances(self.original, self.simplified, indices)
+            nearest = self.nearest(n_neighbors)
+            self._plane_errors[n_neighbors] = plane_distances(self.original, self.simplified, nearest)
         return self._plane_errors[n_neighbors]
+
+    def plane_error_percent(self, n_neighbors: int = 8) -> float:
+        """Eq. 27: mean of `plane_errors`, in % of the original's bounding-box diagonal."""
+        return self.percent(float(self.plane_errors(n_neighbors).mean()))
 
     def percent(self, length: float) -> float:
         """A length in % of the original's bounding-box diagonal; of a cloud without extent, 0 or infinity."""

@@ -1,7 +1,9 @@
-"""Hausdorff distance between the clouds: how far a point can be from the other cloud, each way and both.
+"""Hausdorff distance between the clouds: how far a point can be from the other cloud.
 
 Directed distances as in Cignoni, Rocchini and Scopigno, Metro, Computer Graphics Forum 17(2), 1998, between
-points rather than surfaces. For a subset the way back is zero.
+points rather than surfaces. For a subset the way back is zero, and the distance is the covering radius of the
+k-centre problem (Gonzalez, Clustering to minimize the maximum intercluster distance, Theoretical Computer
+Science 38, 1985), which farthest point sampling keeps within twice its least value.
 """
 
 from __future__ import annotations
@@ -11,13 +13,12 @@ from lpcompare.types import Column
 
 COLUMNS = {
     "hausdorff_pct": Column("% of diagonal", "Hausdorff distance, the larger of both ways"),
-    "hausdorff_forward_pct": Column("% of diagonal", "Largest distance of an original to the reduced cloud"),
     "hausdorff_backward_pct": Column("% of diagonal", "Largest distance of a reduced point to the original"),
 }
 
 
 def hausdorff(comparison: Comparison) -> dict[str, float]:
-    """Largest nearest-neighbour distance, one way, the other and either.
+    """Largest nearest-neighbour distance, the larger of both ways, and the way back.
 
     Parameters
     ----------
@@ -32,6 +33,5 @@ def hausdorff(comparison: Comparison) -> dict[str, float]:
     backward = comparison.percent(float(comparison.backward_distances.max()))
     return {
         "hausdorff_pct": max(forward, backward),
-        "hausdorff_forward_pct": forward,
         "hausdorff_backward_pct": backward,
     }

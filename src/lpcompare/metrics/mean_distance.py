@@ -1,7 +1,8 @@
-"""Mean distance between the clouds: how far a point is from the other cloud, each way and the larger.
+"""Mean distance between the clouds: how far a point is from the other cloud.
 
 Directed means as in Cignoni, Rocchini and Scopigno, Metro, Computer Graphics Forum 17(2), 1998, between
-points rather than surfaces. For a subset the way back is zero.
+points rather than surfaces. For a subset the way back is zero, and the mean is that of the originals to their
+nearest kept point.
 """
 
 from __future__ import annotations
@@ -11,13 +12,12 @@ from lpcompare.types import Column
 
 COLUMNS = {
     "mean_distance_pct": Column("% of diagonal", "Mean distance, the larger of both ways"),
-    "mean_distance_forward_pct": Column("% of diagonal", "Mean distance of an original to the reduced cloud"),
     "mean_distance_backward_pct": Column("% of diagonal", "Mean distance of a reduced point to the original"),
 }
 
 
 def mean_distance(comparison: Comparison) -> dict[str, float]:
-    """Mean nearest-neighbour distance, one way, the other and either.
+    """Mean nearest-neighbour distance, the larger of both ways, and the way back.
 
     Parameters
     ----------
@@ -32,6 +32,5 @@ def mean_distance(comparison: Comparison) -> dict[str, float]:
     backward = comparison.percent(float(comparison.backward_distances.mean()))
     return {
         "mean_distance_pct": max(forward, backward),
-        "mean_distance_forward_pct": forward,
         "mean_distance_backward_pct": backward,
     }

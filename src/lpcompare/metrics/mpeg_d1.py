@@ -17,7 +17,7 @@ from lpcompare.types import Column
 
 COLUMNS = {
     "d1_mse": Column("square model units", "D1: mean square point-to-point distance"),
-    "d1_psnr_db": Column("dB", "D1 PSNR, the diagonal as the peak", better="higher"),
+    "d1_psnr_db": Column("dB", "D1 PSNR, the diagonal as the peak", better="higher", alias="d1_mse"),
 }
 
 

@@ -20,7 +20,7 @@ from lpcompare.types import Column, Points
 
 COLUMNS = {
     "d2_mse": Column("square model units", "D2: mean square point-to-plane distance"),
-    "d2_psnr_db": Column("dB", "D2 PSNR, the diagonal as the peak", better="higher"),
+    "d2_psnr_db": Column("dB", "D2 PSNR, the diagonal as the peak", better="higher", alias="d2_mse"),
 }
 
 

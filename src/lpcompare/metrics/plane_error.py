@@ -12,7 +12,9 @@ from lpcompare.types import Column
 COLUMNS = {
     "plane_error_pct": Column("% of diagonal", "Eq. 27 error, 8 neighbours"),
     "plane_error_max_pct": Column("% of diagonal", "Largest eq. 27 distance, 8 neighbours"),
-    "plane_error": Column("model units", "Eq. 27 error, 8 neighbours, in model units"),
+    "plane_error": Column(
+        "model units", "Eq. 27 error, 8 neighbours, in model units", alias="plane_error_pct"
+    ),
     "plane_error_k6_pct": Column("% of diagonal", "Eq. 27 error, 6 neighbours"),
     "plane_error_k12_pct": Column("% of diagonal", "Eq. 27 error, 12 neighbours"),
 }
@@ -32,11 +34,10 @@ def plane_error(comparison: Comparison) -> dict[str, float]:
         One value per entry of ``COLUMNS``.
     """
     errors = comparison.plane_errors(8)
-    mean = float(errors.mean())
     return {
-        "plane_error_pct": comparison.percent(mean),
+        "plane_error_pct": comparison.plane_error_percent(8),
         "plane_error_max_pct": comparison.percent(float(errors.max())),
-        "plane_error": mean,
-        "plane_error_k6_pct": comparison.percent(float(comparison.plane_errors(6).mean())),
-        "plane_error_k12_pct": comparison.percent(float(comparison.plane_errors(12).mean())),
+        "plane_error": float(errors.mean()),
+        "plane_error_k6_pct": comparison.plane_error_percent(6),
+        "plane_error_k12_pct": comparison.plane_error_percent(12),
     }

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
 
@@ -28,13 +28,16 @@ class Heading:
     unit : str
         "s", "MiB", "points", or a unit of `lpcompare.types.Column`.
     better : str
-        "lower", "higher", or "" where neither is.
+        "lower", "higher", or "" where neither is, or nobody says: the column of a metric that is gone.
+    alias : str
+        The column that this one follows from; ranks and ratios do not count it.
     """
 
     key: str
     title: str
     unit: str = ""
     better: str = "lower"
+    alias: str = ""
 
     @property
     def label(self) -> str:
@@ -58,12 +61,12 @@ def headings(keys: Iterable[str]) -> dict[str, Heading]:
     known = MEASURED | _metric_headings()
     rest = sorted(set(keys) - set(MEASURED) - {ERROR})
     ordered = [key for key in (ERROR, *MEASURED, *rest) if key in set(keys)]
-    return {key: known.get(key, Heading(key, key)) for key in ordered}
+    return {key: known.get(key, Heading(key, key, better="")) for key in ordered}
 
 
-def metric_keys(all_headings: Iterable[str]) -> list[str]:
-    """The keys that judge the points rather than the cost of finding them."""
-    return [key for key in all_headings if key not in MEASURED]
+def metric_keys(known: Mapping[str, Heading]) -> list[str]:
+    """The keys that judge the points rather than the cost of finding them, each witness once: no aliases."""
+    return [key for key, heading in known.items() if key not in MEASURED and not heading.alias]
 
 
 @cache
@@ -74,5 +77,5 @@ def _metric_headings() -> dict[str, Heading]:
             declared = METRICS.module(name).COLUMNS
         except Unavailable:
             continue
-        found |= {key: Heading(key, c.title, c.unit, c.better) for key, c in declared.items()}
+        found |= {key: Heading(key, c.title, c.unit, c.better, c.alias) for key, c in declared.items()}
     return found

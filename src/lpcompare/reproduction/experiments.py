@@ -65,10 +65,7 @@ class Experiment:
 def plane_errors_pct(original: Points, simplified: Points) -> dict[str, float]:
     """Eq. 27 for 6, 8 and 12 neighbours, in % of the bounding-box diagonal."""
     comparison = Comparison(original, simplified)
-    return {
-        f"plane_error_k{k}_pct": comparison.percent(float(comparison.plane_errors(k).mean()))
-        for k in (6, 8, 12)
-    }
+    return {f"plane_error_k{k}_pct": comparison.plane_error_percent(k) for k in (6, 8, 12)}
 
 
 def _grid(**axes: Any) -> Callable[[tuple[str, ...]], Iterator[Row]]:

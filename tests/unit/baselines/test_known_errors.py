@@ -40,5 +40,5 @@ def test_counts_and_errors_on_the_bunny(name, bunny):
         result = function(bunny.points, target, rng=rng, **known, **settings)
         assert abs(len(result) - target) <= (0 if METHODS.traits(name).exact_count else 0.01 * target)
         comparison = Comparison(bunny.points, result.points)
-        error = comparison.percent(float(comparison.plane_errors(8).mean()))
+        error = comparison.plane_error_percent()
         assert error == pytest.approx(ERRORS[name][target], rel=0.05)

@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lpcompare.metrics.comparison import Comparison
+from lpcompare.metrics.mls_distance import mls_distances
 from lpcompare.registry import METRICS
 
 LINE = np.array([[0.0, 0, 0], [1, 0, 0], [2, 0, 0], [3, 0, 0], [10, 0, 0]])
@@ -26,20 +27,14 @@ def plane(n=20, spacing=1.0):
 
 def test_hausdorff_each_way():
     found = value("hausdorff", LINE, [[0, 0, 0], [10, 4, 0]])
-    assert found["hausdorff_forward_pct"] == pytest.approx(40)
-    assert found["hausdorff_backward_pct"] == pytest.approx(40)
+    assert found == {"hausdorff_pct": pytest.approx(40), "hausdorff_backward_pct": pytest.approx(40)}
     found = value("hausdorff", LINE, KEPT)
-    assert found == {
-        "hausdorff_pct": pytest.approx(30),
-        "hausdorff_forward_pct": pytest.approx(30),
-        "hausdorff_backward_pct": 0,
-    }
+    assert found == {"hausdorff_pct": pytest.approx(30), "hausdorff_backward_pct": 0}
     assert value("hausdorff", KEPT, LINE)["hausdorff_pct"] == pytest.approx(30)
 
 
 def test_mean_distance_each_way():
     found = value("mean_distance", LINE, KEPT)
-    assert found["mean_distance_forward_pct"] == pytest.approx(12)
     assert found["mean_distance_backward_pct"] == 0
     assert found["mean_distance_pct"] == pytest.approx(12)
     found = value("mean_distance", KEPT, LINE)
@@ -53,11 +48,14 @@ def test_chamfer_adds_both_ways():
     assert found["chamfer_squared"] == pytest.approx((0 + 1 + 4 + 9 + 16) / 5 + 16 / 2)
 
 
-def test_coverage():
-    assert value("coverage", LINE, KEPT) == {
-        "coverage_mean_pct": pytest.approx(12),
-        "coverage_max_pct": pytest.approx(30),
-    }
+def test_eq_27_in_percent_is_the_mean_plane_distance_over_the_diagonal():
+    original, kept = plane(30) + np.array([0.0, 0.0, 2.0]), plane(30)
+    comparison = Comparison(original, kept)
+    assert comparison.plane_error_percent() == pytest.approx(100 * 2 / (29 * math.sqrt(2)))
+    assert comparison.plane_error_percent() == comparison.percent(comparison.plane_errors(8).mean())
+    found = value("plane_error", original, kept)
+    assert found["plane_error_pct"] == comparison.plane_error_percent(8)
+    assert found["plane_error"] == pytest.approx(2)
 
 
 def test_d1_takes_the_larger_way_and_the_squared_diagonal_as_peak():
@@ -127,7 +125,7 @@ def test_the_surface_does_not_depend_on_the_order_of_the_points():
 )
 def test_points_without_a_triangle_stand_for_the_surface(kept):
     found = value("surface_distance", LINE, kept)
-    assert found["surface_distance_max_pct"] == value("coverage", LINE, kept)["coverage_max_pct"]
+    assert found["surface_distance_max_pct"] == value("hausdorff", LINE, kept)["hausdorff_pct"]
 
 
 @given(st.integers(0, 1000), st.integers(2, 60), st.integers(1, 60))
@@ -148,5 +146,52 @@ def test_a_larger_subset_covers_no_less(seed, n):
     rng = np.random.default_rng(seed)
     original = rng.normal(size=(n, 3))
     few, more = original[: n // 3 + 1], original[: n // 2 + 1]
-    for column in ("coverage_mean_pct", "coverage_max_pct"):
-        assert value("coverage", original, more)[column] <= value("coverage", original, few)[column] + 1e-12
+    for metric in ("mean_distance", "hausdorff"):
+        larger, smaller = (value(metric, original, kept)[f"{metric}_pct"] for kept in (more, few))
+        assert larger <= smaller + 1e-12
+
+
+def test_the_mls_distance_to_a_plane_is_that_along_its_normal():
+    lifted = plane(40)[::7] + np.array([0.0, 0.0, 0.25])
+    found = value("mls_distance", lifted, plane(40))
+    assert found["mls_distance_pct"] == pytest.approx(100 * 0.25 / np.linalg.norm(np.ptp(lifted, axis=0)))
+    assert found["mls_distance_max_pct"] == pytest.approx(found["mls_distance_pct"])
+    assert value("mls_distance", plane(), plane())["mls_distance_max_pct"] == pytest.approx(0, abs=1e-12)
+
+
+def test_the_mls_distance_of_a_pole_to_a_ring_of_its_sphere_is_the_sagitta():
+    """All twelve neighbours weigh alike, so that the plane is that of their circle."""
+    angles, polar = np.arange(12) * np.pi / 6, 0.1
+    ring = np.column_stack(
+        [np.sin(polar) * np.cos(angles), np.sin(polar) * np.sin(angles), np.full(12, np.cos(polar))]
+    )
+    comparison = Comparison(np.array([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]]), ring)
+    assert mls_distances(comparison)[0] == pytest.approx(1 - np.cos(polar))
+
+
+def test_the_mls_distance_falls_with_the_square_of_the_spacing_on_a_sphere():
+    def mean(n):
+        turns = np.arange(n) * np.pi * (3 - math.sqrt(5))
+        height = 1 - (2 * np.arange(n) + 1) / n
+        radius = np.sqrt(1 - height**2)
+        spiral = np.column_stack([radius * np.cos(turns), radius * np.sin(turns), height])
+        queries = np.random.default_rng(0).normal(size=(2000, 3))
+        queries /= np.linalg.norm(queries, axis=1, keepdims=True)
+        return mls_distances(Comparison(queries, spiral)).mean()
+
+    assert mean(1000) / mean(4000) == pytest.approx(4, rel=0.02)
+
+
+def test_the_mls_distance_above_a_quadric_is_its_weighted_mean_height():
+    """By the definition, point by point: the bowl is symmetric, so that the plane is level."""
+    bowl = plane(9) - 4.0
+    bowl[:, 2] = 0.05 * (bowl[:, 0] ** 2 + bowl[:, 1] ** 2)
+    comparison = Comparison(np.array([[0.0, 0.0, 0.0], [8.0, 8.0, 8.0]]), bowl)
+    near = sorted(bowl.tolist(), key=lambda p: p[0] ** 2 + p[1] ** 2 + p[2] ** 2)[:9]
+    width = math.dist(near[-1], [0.0, 0.0, 0.0]) / 3
+    foot = 0.0
+    for _ in range(60):
+        weights = [math.exp(-(math.dist(p, [0.0, 0.0, foot]) ** 2) / width**2) for p in near]
+        foot = sum(w * p[2] for w, p in zip(weights, near, strict=True)) / sum(weights)
+    assert foot > 0
+    assert mls_distances(comparison, 9)[0] == pytest.approx(foot, rel=1e-9)

@@ -88,7 +88,7 @@ def test_another_measure_with_another_winner_is_named():
 
 
 def test_no_more_than_four_leaders_of_other_measures_are_named():
-    keys = ["hausdorff_pct", "chamfer_pct", "d1_mse", "d2_mse", "plane_error_max_pct"]
+    keys = ["hausdorff_pct", "mean_distance_pct", "d1_mse", "d2_mse", "plane_error_max_pct"]
     cells = [cell("best", 1, extra={key: Interval.of([9.0]) for key in keys})]
     for place, method in enumerate("abcde"):
         values = {key: Interval.of([1.0 if keys[place] == key else 5.0]) for key in keys}
