@@ -15,11 +15,15 @@ import json
 import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields
+from functools import cached_property
 from pathlib import Path
-from typing import Any, get_type_hints
+from typing import TYPE_CHECKING, Any, get_type_hints
 
 from lpcompare.benchmark.hints import fits, spell
 from lpcompare.errors import InputError
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 SCHEMA_VERSION = 1
 STATUSES = ("ok", "skipped", "failed", "timeout")
@@ -177,6 +181,68 @@ class Run:
     inputs: Mapping[str, Mapping[str, Any]]
     records: tuple[Record, ...]
     complete: bool
+
+    @cached_property
+    def frame(self) -> DataFrame:
+        """One row per case and repeat, in the order of the plan. Do not change it in place: it is kept.
+
+        Its columns are the fields of `Record` (NaN or NA where a field is None; ``settings`` and ``info``
+        are dicts), but for ``timings`` and ``metrics``: they become ``time_<stage>_s`` and one column per
+        metric column, NaN where a case has no value. Two columns are derived:
+
+        ``input``
+            The model, with what was done to it: ``bunny`` or ``bunny + noise 0.5``.
+        ``label``
+            The variant, with " + swaps" where its result was refined.
+        """
+        import pandas as pd
+
+        rows = [_flat(record) for record in self.records]
+        columns = [*_COLUMN_TYPES, *dict.fromkeys(k for row in rows for k in row if k not in _COLUMN_TYPES)]
+        return pd.DataFrame(rows, columns=columns).astype(_COLUMN_TYPES)
+
+
+_COLUMN_TYPES = {
+    "model": "str",
+    "perturbation": "str",
+    "perturbation_level": "float64",
+    "method": "str",
+    "variant": "str",
+    "refined": "bool",
+    "reduction": "float64",
+    "n_input": "int64",
+    "target_count": "int64",
+    "n_output": "Int64",
+    "seed": "int64",
+    "repeat": "int64",
+    "status": "str",
+    "message": "str",
+    "runtime_s": "float64",
+    "calibration_s": "float64",
+    "cpu_s": "float64",
+    "reference_s": "float64",
+    "reference_cpu_s": "float64",
+    "foreign_load": "float64",
+    "peak_memory_mib": "float64",
+    "subset": "boolean",
+    "needs_mesh": "boolean",
+    "settings": "object",
+    "info": "object",
+    "points_sha256": "str",
+    "key": "str",
+    "cloud": "str",
+    "input": "str",
+    "label": "str",
+}
+"""The columns that every frame has; those of metrics and stages follow."""
+
+
+def _flat(record: Record) -> dict[str, Any]:
+    """A record as one row of `Run.frame`."""
+    row = {f.name: getattr(record, f.name) for f in fields(record) if f.name not in ("timings", "metrics")}
+    done = "" if record.perturbation == "none" else f" + {record.perturbation} {record.perturbation_level:g}"
+    row |= {"input": record.model + done, "label": record.variant + " + swaps" * record.refined}
+    return {**record.metrics, **{f"time_{stage}_s": s for stage, s in record.timings.items()}, **row}
 
 
 def load_run(path: str | Path) -> Run:

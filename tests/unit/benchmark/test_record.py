@@ -59,6 +59,30 @@ def test_tables_have_a_column_for_every_number(store):
     assert "plane_error_pct,1,0.1,0.1,0.1" in (store.path / "summary.csv").read_text()
 
 
+def test_the_frame_has_a_row_per_record_and_a_column_per_metric_and_stage(store):
+    rows = [
+        record(timings={"solve": 0.5}, variant="m k=2", refined=True, info={"n": 3}),
+        record(repeat=1, status="failed", metrics={}, perturbation="noise", perturbation_level=0.5),
+    ]
+    store.end(rows, complete=True)
+    frame = load_run(store.path).frame
+    assert list(frame.label) == ["m k=2 + swaps", "x"]
+    assert list(frame.input) == ["ball", "ball + noise 0.5"]
+    assert frame.time_solve_s[0] == 0.5
+    assert frame.plane_error_pct[0] == 0.1
+    assert math.isnan(frame.plane_error_pct[1])
+    assert frame["info"][0] == {"n": 3}
+    assert frame.groupby("status").size().to_dict() == {"ok": 1, "failed": 1}
+
+
+def test_the_frame_of_no_records_has_every_column_and_type(store):
+    store.end([], complete=True)
+    empty = load_run(store.path).frame
+    store.end([record(timings={}, metrics={})], complete=True)
+    assert list(empty.dtypes.items()) == list(load_run(store.path).frame.dtypes.items())
+    assert empty.empty
+
+
 def test_the_first_versions_rows_load_without_the_fields_that_came_later(store):
     old = {
         "schema_version": 1,
