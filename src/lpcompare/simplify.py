@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lpcompare.checks import check_points, check_target, valid_rows
+from lpcompare.checks import check_points, check_seed, check_target, valid_rows
 from lpcompare.errors import InputError
 from lpcompare.max_error import simplify_within
 from lpcompare.registry import METHODS, Seed, call
@@ -97,6 +97,8 @@ def simplify(
     """
     cloud, rows = _clean(points, drop_invalid=drop_invalid)
     METHODS.check_settings(method, settings)
+    if not isinstance(random_state, np.random.SeedSequence):
+        check_seed(random_state)
     if order and not METHODS.traits(method).progressive:
         known = ", ".join(name for name in METHODS if METHODS.traits(name).progressive)
         raise InputError(f"{method} has no order of its points; choose a progressive method: {known}.")
@@ -134,9 +136,7 @@ def _clean(points: Any, *, drop_invalid: bool) -> tuple[PointCloud, np.ndarray |
         return replace(cloud, points=check_points(values)), None
     rows = np.flatnonzero(valid_rows(values))
     if not len(rows):
-        raise InputError(
-            f"None of the {len(values)} points has finite coordinates; there is nothing to thin."
-        )
+        raise InputError(f"None of the {len(values)} points has finite coordinates; nothing is left.")
     kept = cloud.take(rows)
     return replace(kept, points=check_points(kept.points)), rows
 

@@ -55,7 +55,8 @@ def test_the_default_method_keeps_the_count_and_every_attribute(lpcompare, cloud
     code, out, err = lpcompare(tmp_path / "scan.ply", tmp_path / "thin.ply", "--reduction", "0.9")
     assert (code, err) == (0, "")
     pattern = (
-        rb"scan\.ply: 400 -> 40 points by \w+, eq\. 27 error \d+\.\d{4} % of the diagonal \(.+ model units\)"
+        rb"scan\.ply: 400 -> 40 points by lp_uniform, plane error \(eq\. 27\) \d+\.\d{4} % of the diagonal "
+        rb"\(.+ model units\), \d+\.\d\d s in the call, \d+\.\d\d s in all"
     )
     assert re.match(pattern, out)
     thin = read_point_cloud(tmp_path / "thin.ply")
@@ -153,13 +154,13 @@ def test_an_input_is_replaced_only_when_told(lpcompare, cloud, tmp_path):
     [
         ((), "either --reduction"),
         (("--reduction", "0.5", "--count", "9"), "either --reduction"),
-        (("--reduction", "1.5"), "The reduction is 1.5"),
-        (("--reduction", "nan"), "The reduction is nan"),
+        (("--reduction", "1.5"), "target_reduction is 1.5"),
+        (("--reduction", "nan"), "target_reduction is nan"),
         (("--count", "0"), "1 to 400"),
         (("--count", "401"), "1 to 400"),
         (("--reduction", "0.5", "--method", "lp_densty"), "Did you mean 'lp_density'"),
         (("--reduction", "0.5", "--set", "n_cluster=3"), "Did you mean 'n_clusters'"),
-        (("--reduction", "0.5", "--set", "n_clusters=many"), "must be"),
+        (("--reduction", "0.5", "--set", "n_clusters=many"), "a str"),
         (("--reduction", "0.5", "--seed", "-1"), "seed is -1"),
     ],
 )
