@@ -4,9 +4,8 @@ import csv
 from pathlib import Path
 
 import pytest
-
-from lpcompare.reproduction.experiments import EXPERIMENTS
-from lpcompare.reproduction.page import pictures, read_made, render
+from reports.paper.experiments import EXPERIMENTS
+from reports.paper.page import pictures, read_made, render
 
 FOLDER = Path(__file__).resolve().parents[2] / "reports" / "paper"
 

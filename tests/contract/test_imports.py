@@ -46,19 +46,6 @@ ALLOWED = {
         "guard",
     },
     "report": CORE | {"mesh_library", "files", "geometry", "io", "metrics", "registry", "benchmark"},
-    "reproduction": CORE
-    | {
-        "geometry",
-        "threads",
-        "files",
-        "checks",
-        "paper",
-        "metrics",
-        "registry",
-        "models",
-        "benchmark",
-        "report",
-    },
     "meshlab": CORE | {"simplify", "mesh_library", "io", "geometry", "paper", "uniform", "metrics"},
 }
 

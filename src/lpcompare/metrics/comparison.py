@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
@@ -18,7 +19,12 @@ _LARGEST_NEIGHBORHOOD = 12
 _NORMAL_NEIGHBORS = 10
 
 
-def evaluate(cloud: PointCloud | Points, result: Simplification | PointCloud | Points) -> dict[str, float]:
+def evaluate(
+    cloud: PointCloud | Points,
+    result: Simplification | PointCloud | Points,
+    *,
+    metrics: Sequence[str] | None = None,
+) -> dict[str, float]:
     """Every quick metric of a simplification.
 
     Parameters
@@ -27,6 +33,8 @@ def evaluate(cloud: PointCloud | Points, result: Simplification | PointCloud | P
         The original, finite, in model units.
     result : Simplification, PointCloud or ndarray, shape (m, 3)
         The reduced cloud, m >= 1, in the same units.
+    metrics : sequence of str, optional
+        The metrics to take; by default all that are quick.
 
     Returns
     -------
@@ -44,8 +52,8 @@ def evaluate(cloud: PointCloud | Points, result: Simplification | PointCloud | P
     (0.0, True)
     """
     comparison = Comparison(_coordinates(cloud), _coordinates(result))
-    quick = (name for name in METRICS if getattr(METRICS.module(name), "COST", "") != "slow")
-    return {key: value for name in quick for key, value in METRICS.get(name)(comparison).items()}
+    quick = [name for name in METRICS if getattr(METRICS.module(name), "COST", "") != "slow"]
+    return {key: value for name in metrics or quick for key, value in METRICS.get(name)(comparison).items()}
 
 
 def _coordinates(cloud: PointCloud | Simplification | Points) -> Points:

@@ -1,9 +1,9 @@
 """A table on disk: measured once per case, taken up after a kill."""
 
 import pytest
+from reports.paper.table import Table
 
 from lpcompare.errors import InputError
-from lpcompare.reproduction.table import Table
 
 CASES = [{"model": "a", "k": k} for k in range(4)]
 

@@ -1,21 +1,35 @@
-"""The whole reproduction: measure what is missing, draw, write the page."""
+"""Make every table and figure of Leal et al. (2017) again, and hold its statements against them.
+
+    python reports/paper/make.py [--model NAME] [--out FOLDER]
+
+A folder that was left unfinished is continued. The default models are the paper's two, if they can be had.
+"""
 
 from __future__ import annotations
 
+import argparse
 import json
+import sys
 from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
 from typing import Any
 
+sys.path.insert(
+    0, str(Path(__file__).resolve().parents[2])
+)  # the scripts of this folder are no package of the wheel
+
+from reports.paper.charts import draw_errors, draw_seconds
+from reports.paper.experiments import EXPERIMENTS
+from reports.paper.lab import Lab
+from reports.paper.page import render
+from reports.paper.pictures import draw_clusters, draw_curvature, draw_holes, draw_reduced
+from reports.paper.table import Table
+
 from lpcompare.benchmark.environment import capture
+from lpcompare.errors import LpcompareError, ModelDataError
 from lpcompare.files import replace_text
-from lpcompare.reproduction.charts import draw_errors, draw_seconds
-from lpcompare.reproduction.experiments import EXPERIMENTS
-from lpcompare.reproduction.lab import Lab
-from lpcompare.reproduction.page import render
-from lpcompare.reproduction.pictures import draw_clusters, draw_curvature, draw_holes, draw_reduced
-from lpcompare.reproduction.table import Table
+from lpcompare.models import load_model
 from lpcompare.threads import thread_count
 from lpcompare.types import PointCloud
 
@@ -113,3 +127,45 @@ def _how(command: str, left_out: tuple[str, ...]) -> dict[str, Any]:
         "left_out": list(left_out),
         "titles": {e.name: e.title for e in EXPERIMENTS},
     }
+
+
+_PAPER_MODELS = ("stanford-bunny", "max-planck")
+
+
+def load(names: list[str] | None) -> tuple[dict[str, PointCloud], list[str]]:
+    """The clouds by name; of the paper's own models, one that cannot be had is left out and said so."""
+    clouds, left_out = {}, []
+    for name in names or _PAPER_MODELS:
+        try:
+            cloud = load_model(name)
+            clouds[cloud.name] = cloud
+        except ModelDataError as error:
+            if names or name == _PAPER_MODELS[0]:
+                raise
+            left_out.append(str(error))
+    return clouds, left_out
+
+
+def main() -> None:
+    """Run the command line."""
+    parser = argparse.ArgumentParser(description="Make the tables and figures of the paper again.")
+    parser.add_argument("--model", action="append", help="a model's name, or a file")
+    parser.add_argument("--out", type=Path, default=Path("reports/local/paper"), help="folder of the page")
+    given = parser.parse_args()
+    clouds, left_out = load(given.model)
+    named = " ".join(f"--model {Path(name).name}" for name in given.model or clouds)
+    page = reproduce(
+        clouds,
+        given.out,
+        command=f"python reports/paper/make.py {named}",
+        left_out=tuple(left_out),
+        progress=lambda what, done, total: print(f"{what}: {done} of {total}", file=sys.stderr),
+    )
+    print(f"The page is {page}.")
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except LpcompareError as error:
+        sys.exit(f"make.py: {error}")

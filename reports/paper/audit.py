@@ -9,10 +9,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from reports.paper.published import counterpart
+from reports.paper.rows import Rows, distinct, span, values, where
 from scipy.stats import spearmanr
-
-from lpcompare.reproduction.published import counterpart
-from lpcompare.reproduction.rows import Rows, distinct, span, values, where
 
 Tables = Mapping[str, Rows]
 

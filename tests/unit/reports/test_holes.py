@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-
-from lpcompare.reproduction.holes import describe_holes
+from reports.paper.holes import describe_holes
 
 SIDE = 41
 GRID = np.stack(

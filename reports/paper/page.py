@@ -7,9 +7,9 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from lpcompare.reproduction.audit import Tables, audit
-from lpcompare.reproduction.published import counterpart, published
-from lpcompare.reproduction.rows import Rows, distinct, span, values, where
+from reports.paper.audit import Tables, audit
+from reports.paper.published import counterpart, published
+from reports.paper.rows import Rows, distinct, span, values, where
 
 STAGES = {"normals": "normals, curvature", "clustering": "clustering", "selection": "simplification"}
 

@@ -1,8 +1,7 @@
 """Verdicts follow the numbers: each statement with tables that support it and tables that do not."""
 
 import pytest
-
-from lpcompare.reproduction import audit
+from reports.paper import audit
 
 
 def errors(slope):

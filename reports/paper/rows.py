@@ -6,8 +6,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from reports.paper.table import text
 
-from lpcompare.reproduction.table import text
 from lpcompare.types import Vector
 
 Rows = Sequence[Mapping[str, str]]

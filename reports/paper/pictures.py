@@ -6,15 +6,13 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
+from reports.paper.charts import save
+from reports.paper.experiments import COMPARED, PICTURED_CLUSTERS, REDUCTIONS, kept_count
+from reports.paper.lab import Lab
 
-from lpcompare.checks import target_from_reduction
+from lpcompare import LPSimplifier, simplify
 from lpcompare.metrics.comparison import Comparison
-from lpcompare.paper.simplifier import LPSimplifier
-from lpcompare.registry import METHODS
 from lpcompare.report.projections import draw_cloud, draw_mesh, triangulate
-from lpcompare.reproduction.charts import save
-from lpcompare.reproduction.experiments import COMPARED, PICTURED_CLUSTERS, REDUCTIONS
-from lpcompare.reproduction.lab import Lab
 
 _HIGHEST_SHOWN = 98.0
 _POINT_SIZE = 7.0
@@ -61,10 +59,10 @@ def draw_reduced(lab: Lab, name: str, path: Path) -> None:
 def draw_holes(lab: Lab, name: str, path: Path) -> None:
     """Distance of the originals to the nearest kept point at the highest rate, at equal counts."""
     points = lab.points(name)
-    target = target_from_reduction(len(points), REDUCTIONS[-1])
+    target = kept_count(len(points), REDUCTIONS[-1])
     gaps = {}
     for method in COMPARED[:3]:
-        kept = METHODS.get(method)(points, target, rng=np.random.default_rng(0)).points
+        kept = simplify(points, target_count=target, method=method, random_state=0).points
         comparison = Comparison(points, kept)
         gaps[method] = 100.0 * comparison.forward_distances / comparison.diagonal
     highest = float(np.percentile(np.concatenate(list(gaps.values())), _HIGHEST_SHOWN))

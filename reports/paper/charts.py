@@ -7,9 +7,8 @@ from pathlib import Path
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-
-from lpcompare.reproduction.published import counterpart
-from lpcompare.reproduction.rows import Rows, distinct, values, where
+from reports.paper.published import counterpart
+from reports.paper.rows import Rows, distinct, values, where
 
 _STAGES = {"normals": "#0072b2", "clustering": "#e69f00", "selection": "#009e73"}
 _RATES = {"0.7": "#0072b2", "0.8": "#e69f00", "0.9": "#d55e00"}

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import lru_cache
 
-from lpcompare.paper.simplifier import LPSimplifier
-from lpcompare.types import PointCloud, Points
+from lpcompare import LPSimplifier, PointCloud
+from lpcompare.types import Points
 
 
 class Lab:

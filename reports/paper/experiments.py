@@ -11,15 +11,12 @@ from itertools import product
 from typing import Any
 
 import numpy as np
+from reports.paper.holes import describe_holes
+from reports.paper.lab import Lab
+from reports.paper.table import Row
 
+from lpcompare import LPSimplifier, evaluate, simplify
 from lpcompare.benchmark.perturbation import Perturbation, perturb
-from lpcompare.checks import target_from_reduction
-from lpcompare.metrics.comparison import Comparison
-from lpcompare.paper.simplifier import LPSimplifier
-from lpcompare.registry import METHODS
-from lpcompare.reproduction.holes import describe_holes
-from lpcompare.reproduction.lab import Lab
-from lpcompare.reproduction.table import Row
 from lpcompare.types import Points
 
 REDUCTIONS = (0.7, 0.8, 0.9)
@@ -63,9 +60,15 @@ class Experiment:
 
 
 def plane_errors_pct(original: Points, simplified: Points) -> dict[str, float]:
-    """Eq. 27 for 6, 8 and 12 neighbours, in % of the bounding-box diagonal."""
-    comparison = Comparison(original, simplified)
-    return {f"plane_error_k{k}_pct": comparison.plane_error_percent(k) for k in (6, 8, 12)}
+    """Eq. 27 for 6, 8 and 12 neighbors, in % of the bounding-box diagonal."""
+    values = evaluate(original, simplified, metrics=("plane_error",))
+    columns = {6: "plane_error_k6_pct", 8: "plane_error_pct", 12: "plane_error_k12_pct"}
+    return {f"plane_error_k{k}_pct": values[column] for k, column in columns.items()}
+
+
+def kept_count(n_points: int, reduction: float) -> int:
+    """Points kept: floor((1 - reduction) n), rounded to nine digits first."""
+    return max(1, int(np.floor(round((1.0 - reduction) * n_points, 9))))
 
 
 def _grid(**axes: Any) -> Callable[[tuple[str, ...]], Iterator[Row]]:
@@ -103,7 +106,7 @@ def _count(lab: Lab, case: Row) -> Row:
         random_state=case["seed"],
     ).fit(lab.points(case["model"]))
     n, features = len(simplifier.labels_), int(simplifier.feature_mask_.sum())
-    kept = {f"kept_{r:g}": features + target_from_reduction(n - features, r) for r in REDUCTIONS}
+    kept = {f"kept_{r:g}": features + kept_count(n - features, r) for r in REDUCTIONS}
     return {"n_points": n, "n_features": features, "n_output": len(simplifier.sample_indices_), **kept}
 
 
@@ -161,11 +164,11 @@ def _clusters_that_kept_the_farthest(points: Points, simplifier: LPSimplifier) -
 
 def _holes(lab: Lab, case: Row) -> Row:
     points = lab.points(case["model"])
-    target = target_from_reduction(len(points), case["reduction"])
+    target = kept_count(len(points), case["reduction"])
     labels = lab.fitted(
         case["model"], "lp_density", "exact-count", PICTURED_CLUSTERS, case["reduction"], 0
     ).labels_
-    kept = METHODS.get(case["method"])(points, target, rng=np.random.default_rng(0)).points
+    kept = simplify(points, target_count=target, method=case["method"], random_state=0).points
     return describe_holes(points, kept, labels)
 
 
@@ -185,8 +188,8 @@ def _robustness(lab: Lab, case: Row) -> Row:
     """Error against the clean cloud; every method is given the count of the clean cloud."""
     cloud, seed = lab.clouds[case["model"]], case["seed"]
     damaged = perturb(cloud, Perturbation(case["kind"], case["level"]), seed)
-    target = target_from_reduction(len(cloud), case["reduction"])
-    kept = METHODS.get(case["method"])(damaged.points, target, rng=np.random.default_rng(seed)).points
+    target = kept_count(len(cloud), case["reduction"])
+    kept = simplify(damaged.points, target_count=target, method=case["method"], random_state=seed).points
     return plane_errors_pct(cloud.points, kept)
 
 

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import tomllib
 from functools import cache
-from importlib.resources import files
+from pathlib import Path
 from typing import Any
 
 
 @cache
 def published() -> dict[str, Any]:
     """The paper's figures as they stand in published.toml."""
-    return tomllib.loads(files(__package__ or "").joinpath("published.toml").read_text(encoding="utf-8"))
+    return tomllib.loads(Path(__file__).with_name("published.toml").read_text(encoding="utf-8"))
 
 
 def counterpart(model: str) -> dict[str, Any] | None:
