@@ -87,9 +87,9 @@ def command(
 
 def _simplify_file(source: Path, target: Path | str, order: _Order) -> str:
     """Read, reduce, write; returns the report line."""
-    from lpcompare.io import read_point_cloud
+    from lpcompare.io import read
 
-    cloud = read_point_cloud(source)
+    cloud = read(source)
     record, points, rows = _reduce(cloud, order)
     with _output(target) as path:
         note = _write(source, path, cloud, points, rows)
@@ -106,7 +106,7 @@ def _reduce(cloud: PointCloud, order: _Order) -> tuple[Record, Points, Indices |
     from lpcompare.benchmark.plan import Plan
     from lpcompare.benchmark.runner import run_plan
     from lpcompare.errors import InputError, LpcompareError
-    from lpcompare.io.clouds import load_arrays
+    from lpcompare.io.arrays import load_arrays
     from lpcompare.threads import thread_count
     from lpcompare.types import PointCloud
 
@@ -136,26 +136,14 @@ def _reduce(cloud: PointCloud, order: _Order) -> tuple[Record, Points, Indices |
 
 def _write(source: Path, path: Path, cloud: PointCloud, points: Points, rows: Indices | None) -> str:
     """Write the result and return what of the input it lacks, for the report line."""
-    from lpcompare.io import keep_rows, left_out, same_format, write_point_cloud
+    from lpcompare.io import keep_rows, same_format, write
     from lpcompare.types import PointCloud
 
     if rows is None:
-        write_point_cloud(path, PointCloud(points, name=cloud.name))
+        write(path, PointCloud(points, name=cloud.name))
         return "; points were moved, so that only coordinates are written"
-    if same_format(source, path):
-        keep_rows(source, path, rows)
-        return _FACES_LEFT_OUT if cloud.faces is not None else ""
-    kept = PointCloud(
-        points,
-        normals=None if cloud.normals is None else cloud.normals[rows],
-        colors=None if cloud.colors is None else cloud.colors[rows],
-        attributes={name: values[rows] for name, values in cloud.attributes.items()},
-        name=cloud.name,
-    )
-    write_point_cloud(path, kept)
-    lost = left_out(path, kept)
-    note = f"; {path.suffix} holds no {' and no '.join(lost)}" if lost else ""
-    return note + (_FACES_LEFT_OUT if cloud.faces is not None else "")
+    notes = keep_rows(source, path, rows) if same_format(source, path) else write(path, cloud.take(rows))
+    return "".join(f"; {note}" for note in notes) + (_FACES_LEFT_OUT if cloud.faces is not None else "")
 
 
 @contextmanager
