@@ -9,7 +9,6 @@ import pytest
 
 from lpcompare.errors import InputError
 from lpcompare.io import keep_rows, read, write
-from lpcompare.io.checks import checked_points
 from lpcompare.types import PointCloud
 
 FORMATS = [".ply", ".obj", ".off", ".xyz", ".csv", ".npy", ".npz", ".pcd", ".las", ".laz"]

@@ -10,7 +10,7 @@ import pytest
 from plyfile import PlyData, PlyElement
 
 from lpcompare.errors import InputError
-from lpcompare.io import keep_rows, left_out, read, write
+from lpcompare.io import keep_rows, read, write
 from lpcompare.types import PointCloud
 
 N = 200
