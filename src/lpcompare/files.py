@@ -29,8 +29,8 @@ def writing(path: Path, remedy: str = _AGAIN) -> Iterator[None]:
 def whole_file(path: Path, remedy: str = _AGAIN) -> Iterator[Path]:
     """The file to write instead of ``path``: it takes that place at the end, or is removed after a failure.
 
-    It is new, in the same folder and under a name that nobody can know before; a file that it replaces keeps its
-    mode.
+    It is new, in the same folder and under a name that nobody can know before; a file that is replaced keeps
+    its mode.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Named columns of a file and the cloud that they are; what a format can hold, and the cloud that fits into it.
+"""Named columns of a file and the cloud that they are; what a format holds, and the cloud that fits into it.
 
 Every format is read through `cloud_of` and written through `fitted`: what is a coordinate, a normal or a
 colour, which types and names a format takes, and what is said of a loss, is decided here for all of them.
@@ -172,7 +172,7 @@ def columns_of(cloud: PointCloud, normals: Sequence[str] = NORMALS) -> dict[str,
         columns |= dict(zip(normals, cloud.normals.T, strict=True))
     if cloud.colors is not None:
         columns |= dict(zip(COLORS, cloud.colors.T, strict=False))
-    return columns | cloud.attributes
+    return columns | dict(cloud.attributes)
 
 
 def fitted(cloud: PointCloud, holds: Holds, ending: str) -> tuple[PointCloud, tuple[str, ...]]:
@@ -228,11 +228,11 @@ def _attributes(cloud: PointCloud, holds: Holds, ending: str, notes: list[str]) 
     return _placed(flat, holds, notes)
 
 
-def _unmasked(name: str, values: ArrayLike, notes: list[str]) -> NDArray[Any]:
+def _unmasked(name: str, values: NDArray[Any], notes: list[str]) -> NDArray[Any]:
     """The attribute as a plain array; masked numbers become NaN."""
     if isinstance(values, np.ma.MaskedArray) and np.ma.is_masked(values):
         notes.append(f"masked values of attribute {name!r} are NaN")
-        return values.astype(np.float64).filled(np.nan)
+        return np.ma.filled(values.astype(np.float64), np.nan)
     return _native(np.asarray(values))
 
 
@@ -258,9 +258,8 @@ def _placed(flat: Mapping[str, NDArray[Any]], holds: Holds, notes: list[str]) ->
         taken |= claimed
     placed: dict[str, NDArray[Any]] = {}
     if len(flat) > holds.most:
-        notes.append(
-            f"{len(flat) - holds.most} attributes from {list(flat)[holds.most]!r} on are left out, which are too many"
-        )
+        first = list(flat)[holds.most]
+        notes.append(f"the attributes from {first!r} on are left out, at most {holds.most} are held")
     for name, values in list(flat.items())[: holds.most]:
         own = name.lower().replace(" ", "_")
         fit = exactly(values, *holds.fields[own]) if own in holds.fields and own not in placed else None
@@ -307,7 +306,7 @@ def _typed(what: str, values: NDArray[Any], types: Sequence[str], notes: list[st
 def exactly(
     values: NDArray[Any], kind: DTypeLike, low: int | None = None, high: int | None = None
 ) -> NDArray[Any] | None:
-    """The values in another type, or None where one of them would change or is outside ``low`` .. ``high``."""
+    """The values in another type, or None where one would change or is outside ``low`` .. ``high``."""
     kind = np.dtype(kind)
     if values.dtype == kind and low is None:
         return values
@@ -336,8 +335,11 @@ def _quantised(colors: NDArray[np.float64], holds: Holds, notes: list[str]) -> N
     channels = colors if holds.alpha else colors[:, :3]
     if kind.kind == "f":
         return channels
+    if unknown := int(np.isnan(channels).any(axis=1).sum()):
+        notes.append(f"colors of {unknown} point{'s' * (unknown > 1)} are not known and become 0")
+        channels = np.nan_to_num(channels)
     largest = np.iinfo(kind).max
-    steps = np.rint(np.clip(np.nan_to_num(channels), 0, 1) * largest)
+    steps = np.rint(np.clip(channels, 0, 1) * largest)
     if not np.allclose(steps / largest, channels, rtol=0, atol=1e-9):
         notes.append(f"colors are rounded to {8 * kind.itemsize} bits")
     return steps.astype(kind)

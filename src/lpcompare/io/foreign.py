@@ -38,7 +38,8 @@ _EXPE = re.compile(
 _EXPE_PROPERTY = re.compile(rb"property\s+\S+\s+(\d+)(?:\s+(?:ui|i|r)(8|16|32))?\s")
 _NAMING = (".dae", ".glb", ".gltf", ".wrl", ".x3d", ".x3dv")
 _REFERENCE = re.compile(
-    rb"""(?:\b(?:uri|url)\b["']?\s*[=:]?|<init_from>)[\s"'\[]*([^"'<>\]\s][^"'<>\]]*)""", re.IGNORECASE
+    rb"""(?:\b(?:uri|url)\b["']?\s*[=:]?|<init_from>)[\s"'\[]*([^"'<>\]\s][^"'<>\]]*)""",
+    re.IGNORECASE,
 )
 _HARMLESS = re.compile(r"#|data:|https?:|urn:|.*\.(png|jpe?g|bmp|tga|tiff?|gif|dds)$", re.IGNORECASE)
 
@@ -46,8 +47,8 @@ _HARMLESS = re.compile(r"#|data:|https?:|urn:|.*\.(png|jpe?g|bmp|tga|tiff?|gif|d
 def read(path: Path) -> PointCloud:
     """All layers of the file as one cloud, each in its place; polygons as triangles.
 
-    Normals are taken from files without faces only: of a mesh, MeshLab computes them anew. What a layer does not
-    have and another has is NaN.
+    Normals are taken from files without faces only: of a mesh, MeshLab computes them anew. What a layer does
+    not have and another has is NaN.
     """
     check_length(path)
     _check_references(path)
@@ -80,8 +81,8 @@ def _load(layers: Any, path: Path) -> None:
 
 def _columns(mesh: Any, *, with_normals: bool) -> dict[str, NDArray[np.float64]]:
     columns = dict(zip(AXES, mesh.transformed_vertex_matrix().T, strict=True))
-    normals = mesh.transformed_vertex_normal_matrix() if with_normals else np.zeros((0, 3))
-    if normals.any():
+    normals = mesh.vertex_normal_matrix() @ mesh.transform_matrix()[:3, :3].T
+    if with_normals and normals.any():
         columns |= dict(zip(NORMALS, normals.T, strict=True))
     if mesh.has_vertex_color():
         columns |= dict(zip(COLORS, mesh.vertex_color_matrix().T, strict=True))

@@ -36,15 +36,15 @@ _READ_ONLY = {".ptx": "text"} | dict.fromkeys(_READ_BY_MESHLAB, "foreign")
 
 
 def read(path: str | os.PathLike[str], *, drop_invalid: bool = False) -> PointCloud:
-    """Read a point cloud with every attribute that its format gives each point.
+    r"""Read a point cloud with every attribute that its format gives each point.
 
     Parameters
     ----------
     path : str or path
         The ending names the format.
     drop_invalid : bool, default False
-        Leave out points that have a coordinate that is NaN or infinite, as scanners write for a ray without an
-        echo. They are kept by default, so that rows of the cloud are those of the file.
+        Leave out points that have a coordinate that is NaN or infinite, as scanners write for a ray without
+        an echo. They are kept by default, so that rows of the cloud are those of the file.
 
     Returns
     -------
@@ -72,8 +72,8 @@ def read(path: str | os.PathLike[str], *, drop_invalid: bool = False) -> PointCl
         _check_source(path)
         family = _family(path)
         cloud = isolated.read(family, path) if _isolated(family, path) else _module(family).read(path)
-    valid = np.isfinite(cloud.points).all(axis=1)
-    return cloud.take(valid) if drop_invalid and not valid.all() else cloud
+    invalid = ~np.isfinite(cloud.points).all(axis=1, keepdims=True).ravel()
+    return cloud.take(~invalid) if drop_invalid and invalid.any() else cloud
 
 
 def write(path: str | os.PathLike[str], cloud: PointCloud) -> tuple[str, ...]:
@@ -88,8 +88,8 @@ def write(path: str | os.PathLike[str], cloud: PointCloud) -> tuple[str, ...]:
     Returns
     -------
     tuple of str
-        What the format cannot hold as it was: a part that is left out, a name that is spelt in another way, values
-        that are rounded. Empty where a reader gets back what the cloud had.
+        What the format cannot hold as it was: a part that is left out, a name that is spelt in another way,
+        values that are rounded. Empty where a reader gets back what the cloud had.
 
     Raises
     ------
@@ -173,7 +173,7 @@ def check_target(path: str | os.PathLike[str]) -> None:
 
 @contextmanager
 def _sentences(path: Path) -> Iterator[None]:
-    """Whatever is wrong with a file, as one sentence that names it; a library's own text is not for people."""
+    """Whatever is wrong with a file, as one sentence that names it, without a library's own text."""
     kind = path.suffix.lower().removeprefix(".").upper()
     try:
         yield

@@ -1,7 +1,7 @@
 """Files whose library can crash, hang or abort on damage, worked on in a child process.
 
 pymeshlab's readers and the LAZ decompressor end the whole process on some damaged files; in a child that is
-one more way in which a file cannot be read. Nothing from the current folder or from variables of Python's runs
+one more way in which a file cannot be read. Nothing from the current folder or from Python's variables runs
 in it, and it ends with its parent.
 """
 

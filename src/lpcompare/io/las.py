@@ -1,7 +1,7 @@
 """LAS, LAZ and COPC (laspy): every dimension, scale, offset and coordinate reference system.
 
-What a file promises is held against its size before laspy believes it: laspy makes an object for every promised
-record and a byte for every promised byte of points, found or not.
+What a file promises is held against its size before laspy believes it: laspy makes an object for every
+promised record and a byte for every promised byte of points, found or not.
 """
 
 from __future__ import annotations
@@ -37,10 +37,17 @@ _PARTS = ("X", "Y", "Z", "bit_fields", "classification_flags")
 HOLDS = dict.fromkeys(
     (".las", ".laz"),
     Holds(
-        types=NUMBERS, normals="f8", colors="u2", alpha=False, unfit=r"[\x00-\x1f\x7f\ud800-\udfff]+", longest=32,
-        reserved=(*AXES, *NORMALS, *COLORS[:3], *_PARTS), fields=_FIELDS, most=330,
+        types=NUMBERS,
+        normals="f8",
+        colors="u2",
+        alpha=False,
+        unfit=r"[\x00-\x1f\x7f\ud800-\udfff]+",
+        longest=32,
+        reserved=(*AXES, *NORMALS, *COLORS[:3], *_PARTS),
+        fields=_FIELDS,
+        most=330,
     ),
-)  # fmt: skip
+)
 
 _LARGEST_INTEGER = 2**31 - 1
 _WAVEFORMS_AT = 227
@@ -123,7 +130,7 @@ def _write(path: Path, file: laspy.LasData) -> None:
 
 
 def _keep_waveforms(source: Path, target: Path, header: laspy.LasHeader) -> tuple[str, ...]:
-    """Copy the record of waveforms that points refer to, and point the header at it; say what is not copied."""
+    """Copy the record of waveforms that points refer to and name its place; say what is not copied."""
     start = header.start_of_waveform_data_packet_record if header.version.minor >= 3 else 0
     if not start:
         beside = header.version.minor >= 3 and header.global_encoding.waveform_data_packets_external

@@ -1,7 +1,7 @@
 """Wavefront OBJ, read line by line, so that every vertex and every digit survives.
 
-MeshLab's reader stores colours in eight bits and rounds them twice; here kept lines are the file's own. Other files
-that it names, such as materials, are not opened.
+MeshLab's reader stores colours in eight bits and rounds them twice; here kept lines are the file's own. Other
+files that it names, such as materials, are not opened.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ _PER_VERTEX = {b"vt": 1, b"vn": 2}  # which number of a corner 'vertex/texture/n
 
 @dataclass(frozen=True)
 class _File:
-    """Each line with its first word; the polygons; for each vertex, which texture and normal line is its own."""
+    """Each line with its first word; the polygons; which texture and normal line is each vertex's own."""
 
     lines: list[tuple[bytes, bytes]]
     polygons: list[list[int]]
@@ -68,7 +68,8 @@ def write(path: Path, cloud: PointCloud) -> None:
 def keep_rows(source: Path, target: Path, rows: Indices) -> tuple[str, ...]:
     """The same lines without those of the other vertices and of the surface.
 
-    A vertex's own normal and texture coordinates stay: in their place where they have its number, else before it.
+    A vertex's own normal and texture coordinates stay: in their place where they have its number, else
+    before it.
     """
     file = _take_apart(source)
     kept, seen = set(rows.tolist()), dict.fromkeys((b"v", *_PER_VERTEX), -1)
@@ -93,12 +94,13 @@ def _take_apart(path: Path) -> _File:
     text = path.read_bytes().replace(b"\\\r\n", b" ").replace(b"\\\n", b" ")
     lines = [(line.split(None, 1)[0] if line.strip() else b"", line) for line in text.splitlines()]
     file = _File(lines, [], {})
-    n_lines, corners = dict.fromkeys((b"v", b"vt", b"vn"), 0), list[list[list[bytes]]]()
+    n_lines, corners = dict[bytes, int].fromkeys((b"v", *_PER_VERTEX), 0), list[list[list[bytes]]]()
     for word, line in lines:
         if word in n_lines:
             n_lines[word] += 1
         elif word == b"f":
-            corners.append([corner.split(b"/") for corner in line.partition(b"#")[0].split()[1:]])
+            words = line.partition(b"#")[0].split()[1:]
+            corners.append([corner.split(b"/") for corner in words])
             file.polygons.append([_row(corner[0], n_lines[b"v"]) for corner in corners[-1]])
     flat = [corner for face in corners for corner in face]
     rows = np.array([row for face in file.polygons for row in face], dtype=np.intp)
@@ -120,7 +122,7 @@ def _row(number: bytes, n_lines: int) -> int:
 def _own(
     vertices: NDArray[np.intp], named: NDArray[np.intp], n_vertices: int, lines: list[bytes]
 ) -> NDArray[np.intp] | None:
-    """The line of each vertex: its own number where no face says otherwise, what all its faces say, or None."""
+    """The line of each vertex: of its own number, or the one that all its faces name; None where they differ."""
     by_number = np.arange(n_vertices)
     said = named >= 0
     if (named[said] >= len(lines)).any() or not lines or not n_vertices:

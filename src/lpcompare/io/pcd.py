@@ -1,6 +1,6 @@
 """PCD of the Point Cloud Library: every field in its own type, the header and the encoding.
 
-Read here and not by a library, because other tools write headers that PCL's own description does not allow, and
+Read here and not by a library, because other tools write headers that PCL's description does not allow, and
 rows of text stay the file's own.
 """
 
@@ -148,14 +148,11 @@ def _take_apart(path: Path) -> _File:
     sizes = _integers(words.get(b"SIZE") or ["4"] * len(names), "SIZE")
     counts = _integers(words.get(b"COUNT") or ["1"] * len(names), "COUNT")
     types = [t.upper() for t in words.get(b"TYPE") or ["F"] * len(names)]
-    if not names or not len(names) == len(sizes) == len(counts) == len(types):
-        raise Damaged(
-            f"its header has {len(names)} fields, {len(sizes)} sizes, {len(types)} types, {len(counts)} counts"
-        )
-    if max(counts) > _LARGEST_COUNT or len(names) > _LARGEST_COUNT:
-        raise Damaged(
-            f"it has more than {_LARGEST_COUNT} fields, or a field has more than that many values a point"
-        )
+    lengths = [len(names), len(sizes), len(types), len(counts)]
+    if not names or len(set(lengths)) > 1:
+        raise Damaged("its header has {} fields, {} sizes, {} types and {} counts".format(*lengths))
+    if max(*counts, len(names)) > _LARGEST_COUNT:
+        raise Damaged(f"it has more than {_LARGEST_COUNT} fields, or values of one field")
     used = [i for i, count in enumerate(counts) if count]
     kinds = [f"{_KINDS.get(types[i], '?')}{sizes[i]}" for i in used]
     if wrong := {kind for kind in kinds if kind not in HOLDS[".pcd"].types}:
@@ -208,9 +205,7 @@ def _table(file: _File) -> NDArray[Any]:
     packed, whole = struct.unpack_from("<II", file.body)
     check_held("compressed bytes", packed, len(file.body) - 8)
     if whole != size or whole > _LARGEST_RATIO * max(packed, 1):
-        raise Damaged(
-            f"it promises {file.count} points of {file.kind.itemsize} bytes and {whole} bytes of {packed} compressed"
-        )
+        raise Damaged(f"it promises {size} bytes of points and, of {packed} compressed bytes, {whole}")
     content = lzf.decompress(file.body[8 : 8 + packed], whole)
     table, at = np.empty(file.count, file.kind), 0
     for key in file.kind.names or ():

@@ -1,7 +1,7 @@
 """PLY, ascii and binary: every property, comment and line of the header is kept.
 
-Read here and not by a library, because headers hold any bytes, rows of text stay the file's own, and a list that
-is longer than the file must not take the memory for it.
+Read here and not by a library, because headers hold any bytes, rows of text stay the file's own, and a list
+that is longer than the file must not take the memory for it.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ HOLDS = {
 
 @dataclass
 class _Element:
-    """A table of the file: its lines of the header, and of each property the name, type and type of a count."""
+    """A table of the file: its lines of the header, and each property's name, type and type of a count."""
 
     name: str
     count: int
@@ -195,9 +195,7 @@ def _table(file: _File, element: _Element, start: int) -> tuple[dict[str, NDArra
     found, ends = _rows(file, element, start, element.count)
     columns = {}
     for (name, _, counter), values in zip(element.properties, zip(*found, strict=True), strict=True):
-        columns[name] = np.empty(len(values), object) if counter else np.concatenate(values)
-        if counter:
-            columns[name][:] = values
+        columns[name] = np.fromiter(values, object, len(values)) if counter else np.concatenate(values)
     return columns, np.array([start, *ends])
 
 

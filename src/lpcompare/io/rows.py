@@ -51,7 +51,8 @@ def numbers(
             return np.loadtxt(lines, table, delimiter=separator, **how)
     except (ValueError, UserWarning, DeprecationWarning, OverflowError) as error:
         row = re.search(r"row (\d+)", str(error))
-        line = lines[int(row[1]) - ("changed" in str(error)) if row else 0]
+        at = int(row[1]) - ("columns" in str(error)) if row else 0  # counted from 1 where it is about columns
+        line = lines[min(at, len(lines) - 1)]
         raise Damaged(f"{line.strip()[:40]!r} is not the row of numbers that is needed") from error
 
 

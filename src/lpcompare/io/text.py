@@ -1,7 +1,7 @@
 """Rows of numbers: XYZ, PTS, TXT, ASC, CSV, and the scans of PTX. Kept rows are the file's own bytes.
 
-What separates the columns, which line names them and which lines are points is decided once for a file, from its
-first row; the names decide which columns are coordinates.
+What separates the columns, which line names them and which lines are points is decided once for a file, from
+its first row; the names decide which columns are coordinates.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ class _Table:
 
 
 def read(path: Path) -> PointCloud:
-    """The coordinates by name or, in a file without names, the first three columns; the others by their names."""
+    """The coordinates by name or, in a file without names, the first three columns; the others by name."""
     if path.suffix.lower() == ".ptx":
         return _read_ptx(path)
     table = _take_apart(path)

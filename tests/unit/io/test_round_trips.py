@@ -48,9 +48,13 @@ def test_faces_survive(suffix, cloud, tmp_path):
     assert np.array_equal(read(tmp_path / f"cloud{suffix}").faces, cloud.faces)
 
 
-def test_an_npy_says_that_it_holds_coordinates_and_unnamed_columns_only(cloud):
-    assert left_out("a.npy", cloud) == ("normals", "colors", "attributes", "faces")
-    assert left_out("a.npy", PointCloud(cloud.points, attributes={"columns": np.ones((N, 2))})) == ()
+def test_an_npy_says_that_it_holds_coordinates_and_unnamed_columns_only(cloud, tmp_path):
+    assert write(tmp_path / "a.npy", cloud) == (
+        ".npy holds no normals and no colors and no faces",
+        "attribute 'intensity' is left out, .npy holds only columns",
+        "attribute 'height' is left out, .npy holds only columns",
+    )
+    assert write(tmp_path / "a.npy", PointCloud(cloud.points, attributes={"columns": np.ones((N, 2))})) == ()
 
 
 @pytest.mark.parametrize("suffix", [".ply", ".npz", ".pcd", ".txt", ".csv", ".las"])
@@ -130,9 +134,10 @@ def test_ply_keeps_types_lists_comments_and_further_elements(text, order, rng, t
     assert text or kept.byte_order == order
     assert [e.name for e in kept.elements] == ["vertex", "camera"]
     assert kept["vertex"].comments == ["of the vertices"]
+    vertex = PlyData.read(str(tmp_path / "a.ply"))["vertex"]  # plyfile does not swap scalars beside a list
     for name in ("x", "y", "z", "label", "t"):
         assert np.array_equal(kept["vertex"][name], vertex[name][ROWS])
-        assert kept["vertex"][name].dtype.newbyteorder("=") == vertex[name].dtype
+        assert kept["vertex"][name].dtype == vertex[name].dtype
     assert all(
         np.array_equal(a, b) for a, b in zip(kept["vertex"]["near"], vertex["near"][ROWS], strict=True)
     )
@@ -276,7 +281,7 @@ def test_formats_of_meshlab_are_read_through_it(cloud, tmp_path):
 @pytest.mark.parametrize(
     ("text", "names"),
     [
-        ("//X Y Z R G B\n1 2 3 4 5 6\n", {"r", "g", "b"}),
+        ("//X Y Z R G B\n1 2 3 4 5 6\n", set()),
         ("\ufeffx;y;z\n1;2;3\n", set()),
         ("# a scan\n# of a room\n1, 2, 3, 4\n", {"column_4"}),
         ("1\n1 2 3\n", set()),
@@ -312,4 +317,4 @@ def test_las_keeps_attributes_of_several_columns_one_by_one(suffix, rng, tmp_pat
     write(tmp_path / f"scan{suffix}", cloud)
     back = read(tmp_path / f"scan{suffix}").attributes
     assert np.array_equal(np.column_stack([back[f"flow_{i}"] for i in range(3)]), flow)
-    assert np.array_equal(back["a" * 28 + "_1"], flow[:, 1])
+    assert np.array_equal(back["a" * 30 + "_2"], flow[:, 1])
