@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from lpcompare.benchmark.record import load_run
-from lpcompare.io.clouds import load_arrays
+from lpcompare.io.arrays import load_arrays
 from lpcompare.report.cells import gather_cells
 from lpcompare.report.clouds3d import input_files
 from lpcompare.report.columns import ERROR

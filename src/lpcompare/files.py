@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import secrets
+import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -27,10 +29,13 @@ def writing(path: Path, remedy: str = _AGAIN) -> Iterator[None]:
 def whole_file(path: Path, remedy: str = _AGAIN) -> Iterator[Path]:
     """The file to write instead of ``path``: it takes that place at the end, or is removed after a failure.
 
+    It is new, in the same folder and under a name that nobody can know before; a file that is replaced keeps
+    its mode.
+
     Parameters
     ----------
     path : Path
-        Left as it was until the end; its folder is created if need be.
+        Left as it was until the end; its folder is created if need be. Of a link, the file behind it.
     remedy : str
         What a person can do about a failure.
 
@@ -39,12 +44,17 @@ def whole_file(path: Path, remedy: str = _AGAIN) -> Iterator[Path]:
     InputError
         It cannot be written.
     """
-    part = path.with_name(path.name + ".part")
+    target = Path(os.path.realpath(path))
+    part = target.with_name(f".{secrets.token_hex(8)}{target.suffix[:20]}")
     with writing(path, remedy):
-        path.parent.mkdir(parents=True, exist_ok=True)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        mode = 0o600 if target.exists() else 0o666
+        os.close(os.open(part, os.O_WRONLY | os.O_CREAT | os.O_EXCL, mode))
         try:
             yield part
-            os.replace(part, path)
+            if target.exists():
+                shutil.copymode(target, part)
+            os.replace(part, target)
         finally:
             part.unlink(missing_ok=True)
 

@@ -46,7 +46,7 @@ ALLOWED = {
         "guard",
     },
     "report": CORE | {"mesh_library", "files", "geometry", "io", "metrics", "registry", "benchmark"},
-    "meshlab": CORE | {"simplify", "mesh_library", "io", "geometry", "paper", "uniform", "metrics"},
+    "meshlab": CORE | {"files", "simplify", "mesh_library", "io", "geometry", "paper", "uniform", "metrics"},
 }
 
 

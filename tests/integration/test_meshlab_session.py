@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lpcompare.io import keep_rows, read_point_cloud
+from lpcompare.io import keep_rows, read
 
 DOCS = Path(__file__).resolve().parents[2] / "docs" / "meshlab.md"
 
@@ -58,7 +58,7 @@ def test_binary_and_ascii_ply_of_meshlab_hold_the_same(scan, tmp_path):
     for name, binary in (("a", False), ("b", True)):
         path = str(tmp_path / f"{name}.ply")
         layers.save_current_mesh(path, binary=binary, save_vertex_normal=True)
-    one, other = (read_point_cloud(tmp_path / f"{name}.ply") for name in "ab")
+    one, other = (read(tmp_path / f"{name}.ply") for name in "ab")
     assert np.abs(one.points - other.points).max() < 1e-12
     assert np.array_equal(one.colors, other.colors)
     assert np.array_equal(one.faces, other.faces)

@@ -15,7 +15,7 @@ import pytest
 from plyfile import PlyData
 
 from lpcompare import cli
-from lpcompare.io import read_point_cloud, write_point_cloud
+from lpcompare.io import read, write
 from lpcompare.types import PointCloud
 
 NOBODY = 65534
@@ -51,7 +51,7 @@ def lpcompare(monkeypatch, capsysbinary):
 
 
 def test_the_default_method_keeps_the_count_and_every_attribute(lpcompare, cloud, tmp_path):
-    write_point_cloud(tmp_path / "scan.ply", cloud)
+    write(tmp_path / "scan.ply", cloud)
     code, out, err = lpcompare(tmp_path / "scan.ply", tmp_path / "thin.ply", "--reduction", "0.9")
     assert (code, err) == (0, "")
     pattern = (
@@ -59,7 +59,7 @@ def test_the_default_method_keeps_the_count_and_every_attribute(lpcompare, cloud
         rb"\(.+ model units\), \d+\.\d\d s in the call, \d+\.\d\d s in all"
     )
     assert re.match(pattern, out)
-    thin = read_point_cloud(tmp_path / "thin.ply")
+    thin = read(tmp_path / "thin.ply")
     rows = {tuple(p): i for i, p in enumerate(cloud.points)}
     kept = [rows[tuple(p)] for p in thin.points]
     assert kept == sorted(kept)
@@ -68,7 +68,7 @@ def test_the_default_method_keeps_the_count_and_every_attribute(lpcompare, cloud
 
 
 def test_the_same_seed_writes_the_same_file(lpcompare, cloud, tmp_path):
-    write_point_cloud(tmp_path / "scan.ply", cloud)
+    write(tmp_path / "scan.ply", cloud)
     for name, seed in (("a", 1), ("b", 1), ("c", 2)):
         lpcompare(tmp_path / "scan.ply", tmp_path / f"{name}.ply", *QUICK, "--seed", seed)
     a, b, c = ((tmp_path / f"{name}.ply").read_bytes() for name in "abc")
@@ -77,7 +77,7 @@ def test_the_same_seed_writes_the_same_file(lpcompare, cloud, tmp_path):
 
 
 def test_a_count_may_stand_for_the_reduction(lpcompare, cloud, tmp_path):
-    write_point_cloud(tmp_path / "scan.laz", cloud)
+    write(tmp_path / "scan.laz", cloud)
     code, *_ = lpcompare(
         tmp_path / "scan.laz", tmp_path / "t.laz", "--count", 133, "--method", "random_sample"
     )
@@ -89,7 +89,7 @@ def test_several_inputs_and_patterns_go_to_a_folder_and_one_bad_file_stops_no_ot
     lpcompare, cloud, tmp_path
 ):
     for name in ("a.ply", "b.ply"):
-        write_point_cloud(tmp_path / name, cloud)
+        write(tmp_path / name, cloud)
     (tmp_path / "broken.ply").write_bytes((tmp_path / "a.ply").read_bytes()[:-9])
     code, out, err = lpcompare(tmp_path / "*.ply", tmp_path / "out", *QUICK)
     assert code == 2
@@ -100,7 +100,7 @@ def test_several_inputs_and_patterns_go_to_a_folder_and_one_bad_file_stops_no_ot
 
 
 def test_standard_output_is_a_ply_and_the_report_goes_to_standard_error(lpcompare, cloud, tmp_path):
-    write_point_cloud(tmp_path / "scan.npz", cloud)
+    write(tmp_path / "scan.npz", cloud)
     code, out, err = lpcompare(tmp_path / "scan.npz", "-", *QUICK)
     assert code == 0
     assert len(PlyData.read(io.BytesIO(out))["vertex"].data) == 40
@@ -108,7 +108,7 @@ def test_standard_output_is_a_ply_and_the_report_goes_to_standard_error(lpcompar
 
 
 def test_another_format_says_what_it_cannot_hold(lpcompare, cloud, tmp_path):
-    write_point_cloud(tmp_path / "scan.ply", cloud)
+    write(tmp_path / "scan.ply", cloud)
     code, out, _ = lpcompare(tmp_path / "scan.ply", tmp_path / "t.off", *QUICK)
     assert code == 0
     assert b".off holds no attributes" in out
@@ -117,27 +117,27 @@ def test_another_format_says_what_it_cannot_hold(lpcompare, cloud, tmp_path):
 @pytest.mark.parametrize("suffix", [".ply", ".off"])
 def test_faces_of_a_mesh_are_left_out_and_said_so(suffix, lpcompare, cloud, tmp_path):
     mesh = PointCloud(cloud.points, faces=np.array([[0, 1, 2], [2, 3, 4]]))
-    write_point_cloud(tmp_path / "mesh.ply", mesh)
+    write(tmp_path / "mesh.ply", mesh)
     code, out, _ = lpcompare(tmp_path / "mesh.ply", tmp_path / f"t{suffix}", *QUICK)
     assert code == 0
     assert out.count(b"faces are left out") == 1
-    assert read_point_cloud(tmp_path / f"t{suffix}").faces is None
+    assert read(tmp_path / f"t{suffix}").faces is None
 
 
 def test_moved_points_are_written_without_attributes_and_said_so(lpcompare, tmp_path):
     ball = np.random.default_rng(0).normal(size=(300, 3))
-    write_point_cloud(tmp_path / "scan.ply", PointCloud(ball, attributes={"label": np.arange(300)}))
+    write(tmp_path / "scan.ply", PointCloud(ball, attributes={"label": np.arange(300)}))
     code, out, _ = lpcompare(
         tmp_path / "scan.ply", tmp_path / "t.ply", "--method", "clustering_decimation", "--count", 30
     )
     assert code == 0
     assert b"only coordinates" in out
-    assert read_point_cloud(tmp_path / "t.ply").attributes == {}
+    assert read(tmp_path / "t.ply").attributes == {}
 
 
 def test_an_input_is_replaced_only_when_told(lpcompare, cloud, tmp_path):
     path = tmp_path / "scan.ply"
-    write_point_cloud(path, cloud)
+    write(path, cloud)
     before = path.read_bytes()
     code, _, err = lpcompare(path, path, *QUICK)
     assert code == 2
@@ -146,7 +146,7 @@ def test_an_input_is_replaced_only_when_told(lpcompare, cloud, tmp_path):
     (tmp_path / "link.ply").symlink_to(path)
     assert lpcompare(path, tmp_path / "link.ply", *QUICK)[0] == 2
     assert lpcompare(path, path, *QUICK, "--force")[0] == 0
-    assert len(read_point_cloud(path)) == 40
+    assert len(read(path)) == 40
 
 
 @pytest.mark.parametrize(
@@ -165,7 +165,7 @@ def test_an_input_is_replaced_only_when_told(lpcompare, cloud, tmp_path):
     ],
 )
 def test_wrong_orders_are_one_sentence(words, reason, lpcompare, cloud, tmp_path):
-    write_point_cloud(tmp_path / "scan.ply", cloud)
+    write(tmp_path / "scan.ply", cloud)
     code, out, err = lpcompare(tmp_path / "scan.ply", tmp_path / "t.ply", *words)
     assert (code, out) == (2, b"")
     assert err.startswith("lpcompare: ")
@@ -180,7 +180,7 @@ def spoilt(kind, suffix, cloud, folder):
     points = cloud.points.copy()
     if kind == "nan":
         points[3, 0] = np.nan
-    write_point_cloud(path, PointCloud(points, colors=cloud.colors))
+    write(path, PointCloud(points, colors=cloud.colors))
     if kind == "empty":
         path.write_bytes(b"")
     elif kind == "truncated":
@@ -198,12 +198,39 @@ def test_bad_files_are_one_sentence_and_no_output(kind, suffix, lpcompare, cloud
     if kind == "truncated" and suffix in (".xyz", ".obj"):
         pytest.skip("rows without a count: a shorter file is a smaller cloud")
     path = spoilt(kind, suffix, cloud, tmp_path)
-    code, out, err = lpcompare(path, tmp_path / f"out{suffix}", *QUICK)
+    code, out, err = lpcompare(path, tmp_path / f"out{suffix}", *QUICK, "--strict")
     assert (code, out) == (2, b"")
     assert err.startswith("lpcompare: ")
     assert err.count("\n") == 1
     assert path.name in err
     assert [p.name for p in tmp_path.iterdir()] == [path.name]
+
+
+def test_points_without_coordinates_are_left_out_and_counted(lpcompare, cloud, tmp_path):
+    path = spoilt("nan", ".ply", cloud, tmp_path)
+    code, out, err = lpcompare(path, tmp_path / "out.ply", *QUICK)
+    assert (code, err) == (0, "")
+    assert b"1 points without coordinates were left out" in out
+    assert np.isfinite(read(tmp_path / "out.ply").points).all()
+
+
+def test_every_metric_and_an_order_on_demand(lpcompare, cloud, tmp_path):
+    path = tmp_path / "scan.ply"
+    write(path, cloud)
+    code, out, _ = lpcompare(
+        path, tmp_path / "t.ply", "--count", 40, "--method", "farthest_point", "--order", "--evaluate"
+    )
+    assert code == 0
+    assert b"hausdorff_pct" in out
+    assert sorted(read(tmp_path / "t.ply").attributes["order"].tolist()) == list(range(40))
+
+
+def test_a_tolerance_chooses_the_count(lpcompare, cloud, tmp_path):
+    path = tmp_path / "scan.ply"
+    write(path, cloud)
+    words = ("--tolerance", "0.5", "--method", "farthest_point")
+    assert lpcompare(path, tmp_path / "t.ply", *words)[0] == 0
+    assert 1 <= len(read(tmp_path / "t.ply")) < 400
 
 
 @contextmanager
@@ -242,7 +269,7 @@ def refused_as_nobody(lpcompare, source, target):
 @pytest.mark.parametrize("suffix", [".ply", ".obj", ".off", ".xyz", ".npy", ".npz", ".pcd", ".laz", ".las"])
 def test_a_file_that_may_not_be_read(suffix, lpcompare, cloud, open_folder):
     path, target = open_folder / f"scan{suffix}", open_folder / f"out{suffix}"
-    write_point_cloud(path, cloud)
+    write(path, cloud)
     assert "1 to 400" in lpcompare(path, target, "--count", 0)[2]
     path.chmod(0)
     err = refused_as_nobody(lpcompare, path, target)
@@ -253,8 +280,8 @@ def test_a_file_that_may_not_be_read(suffix, lpcompare, cloud, open_folder):
 def test_folders_that_may_not_be_entered_or_written_to(lpcompare, cloud, open_folder):
     source, closed = open_folder / "scan.ply", open_folder / "closed"
     closed.mkdir()
-    write_point_cloud(source, cloud)
-    write_point_cloud(closed / "scan.ply", cloud)
+    write(source, cloud)
+    write(closed / "scan.ply", cloud)
     assert "1 to 400" in lpcompare(source, closed / "t.ply", "--count", 0)[2]
     closed.chmod(0o555)
     err = refused_as_nobody(lpcompare, source, closed / "t.ply")
@@ -268,19 +295,19 @@ def test_folders_that_may_not_be_entered_or_written_to(lpcompare, cloud, open_fo
 
 
 def test_a_folder_that_is_not_there_is_refused_before_any_work(lpcompare, cloud, tmp_path):
-    write_point_cloud(tmp_path / "scan.ply", cloud)
+    write(tmp_path / "scan.ply", cloud)
     assert "does not exist" in lpcompare(tmp_path / "scan.ply", tmp_path / "no" / "t.ply", *QUICK)[2]
     assert "cannot be written" in lpcompare(tmp_path / "scan.ply", tmp_path / "t.stl", *QUICK)[2]
 
 
 def test_one_point_stays_one_point(lpcompare, tmp_path):
-    write_point_cloud(tmp_path / "one.ply", PointCloud(np.array([[5e5, 4e6, 100.0]])))
+    write(tmp_path / "one.ply", PointCloud(np.array([[5e5, 4e6, 100.0]])))
     assert lpcompare(tmp_path / "one.ply", tmp_path / "t.ply", "--reduction", "0.9")[0] == 0
-    assert read_point_cloud(tmp_path / "t.ply").points.tolist() == [[5e5, 4e6, 100.0]]
+    assert read(tmp_path / "t.ply").points.tolist() == [[5e5, 4e6, 100.0]]
 
 
 def test_an_interrupted_reader_of_the_output_is_no_traceback(cloud, tmp_path):
-    write_point_cloud(tmp_path / "scan.ply", cloud)
+    write(tmp_path / "scan.ply", cloud)
     program = "from lpcompare.cli import main; main()"
     command = [sys.executable, "-c", program, "simplify", str(tmp_path / "scan.ply"), "-", *QUICK]
     child = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from lpcompare.cli import main
-from lpcompare.io import write_point_cloud
+from lpcompare.io import write
 from lpcompare.types import PointCloud
 
 
@@ -34,7 +34,7 @@ def view(monkeypatch, capsys):
 @pytest.fixture
 def scan(tmp_path):
     path = tmp_path / "scan.ply"
-    write_point_cloud(path, PointCloud(np.random.default_rng(0).normal(size=(200, 3))))
+    write(path, PointCloud(np.random.default_rng(0).normal(size=(200, 3))))
     return path
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from lpcompare.benchmark.inputs import file_name
 from lpcompare.benchmark.record import SCHEMA_VERSION, Record
-from lpcompare.io.clouds import save_arrays
+from lpcompare.io.arrays import save_arrays
 from lpcompare.metrics.comparison import Comparison
 from lpcompare.metrics.hausdorff import hausdorff
 from lpcompare.metrics.plane_error import plane_error

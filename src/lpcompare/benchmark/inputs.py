@@ -11,7 +11,7 @@ import numpy as np
 
 from lpcompare.benchmark.perturbation import CLEAN, Perturbation
 from lpcompare.errors import InputError
-from lpcompare.io.clouds import digest, save_cloud
+from lpcompare.io.arrays import digest, save_cloud
 from lpcompare.types import PointCloud
 
 

@@ -10,7 +10,7 @@ from lpcompare.benchmark.inputs import file_name
 from lpcompare.benchmark.plan import Plan
 from lpcompare.benchmark.record import Record, Run, load_run
 from lpcompare.errors import InputError
-from lpcompare.io.clouds import digest
+from lpcompare.io.arrays import digest
 from lpcompare.types import PointCloud
 
 _CONDITIONS = ("metrics", "protocol", "refine", "threads")

@@ -25,7 +25,7 @@ import numpy as np
 from lpcompare.benchmark.limits import CANNOT_WRITE, die_with_parent, limit_memory, peak_memory_mib
 from lpcompare.benchmark.verdict import fault, shortfall
 from lpcompare.errors import InputError, LpcompareError, NotApplicable, Unavailable
-from lpcompare.io.clouds import load_cloud, save_arrays
+from lpcompare.io.arrays import load_cloud, save_arrays
 from lpcompare.registry import METHODS, METRICS
 from lpcompare.types import Indices, PointCloud, Simplification
 

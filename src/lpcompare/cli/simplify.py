@@ -155,18 +155,21 @@ def _limits(time_limit: float | None, memory_limit: int | None) -> Limits:
 
 def _simplify_file(source: Path, target: Path | str, order: _Order, callback: Callback) -> str:
     """Read, thin, write; returns the report."""
-    from lpcompare.io import read_point_cloud as read
+    from lpcompare.checks import check_points
+    from lpcompare.io import read
     from lpcompare.simplify import simplify
 
     begin = perf_counter()
     callback("reading", 0, 0)
     cloud = read(source)
+    if order.strict:
+        check_points(cloud.points, source.name)
     callback(order.method, 0, 0)
     result = simplify(
         cloud,
         **order.how_far,
         method=order.method,
-        drop_invalid=not order.strict,
+        drop_invalid=True,
         order=order.rank,
         random_state=order.seed,
         callback=callback,
@@ -204,27 +207,21 @@ def _write(source: Path, path: Path, cloud: PointCloud, result: Simplification, 
     """Write the result; returns what of the input it lacks, for the report line."""
     from dataclasses import replace
 
-    from lpcompare.io import keep_rows, left_out, same_format
-    from lpcompare.io import write_point_cloud as write
+    from lpcompare.io import keep_rows, same_format, write
     from lpcompare.types import PointCloud
 
     notes = [result.note] if result.note else []
     if n_left_out := result.info.get("n_left_out"):
         notes.append(f"{n_left_out:,} points without coordinates were left out")
     if result.indices is None:
-        write(path, PointCloud(result.points, name=cloud.name))
-        return [*notes, _MOVED]
+        return [*notes, *write(path, PointCloud(result.points, name=cloud.name)), _MOVED]
     faces = [_FACES_LEFT_OUT] if cloud.faces is not None else []
     if same_format(source, path) and not rank:
-        keep_rows(source, path, result.indices)
-        return notes + faces
+        return [*notes, *keep_rows(source, path, result.indices), *faces]
     kept = cloud.take(result.indices)
     if rank:
         kept = replace(kept, attributes={**kept.attributes, "order": result.info["order"]})
-    write(path, kept)
-    lost = left_out(path, kept)
-    notes += [f"{path.suffix} holds no {' and no '.join(lost)}"] if lost else []
-    return notes + faces
+    return [*notes, *write(path, kept), *faces]
 
 
 def _report(source: Path, cloud: PointCloud, result: Simplification, notes: list[str], begin: float) -> str:

@@ -9,8 +9,13 @@ from importlib import import_module
 from pathlib import Path
 from types import ModuleType
 
+import numpy as np
+
 from lpcompare.errors import InputError, LpcompareError
+from lpcompare.files import whole_file
 from lpcompare.io import isolated
+from lpcompare.io.columns import fitted
+from lpcompare.io.rows import Damaged
 from lpcompare.types import Indices, PointCloud
 
 _FAMILIES = {
@@ -23,21 +28,23 @@ _FAMILIES = {
     "arrays": (".npy", ".npz"),
 }
 _FAMILY = {suffix: family for family, suffixes in _FAMILIES.items() for suffix in suffixes}
-_ISOLATED = ("las", "foreign")
 _READ_BY_MESHLAB = (
     *(".3ds", ".apts", ".ctm", ".dae", ".e57", ".fbx", ".glb", ".gltf", ".stl", ".tri", ".wrl"),
     *(".x3d", ".x3dv"),
 )
-_READ_ONLY = {".ptx": "ptx"} | dict.fromkeys(_READ_BY_MESHLAB, "foreign")
+_READ_ONLY = {".ptx": "text"} | dict.fromkeys(_READ_BY_MESHLAB, "foreign")
 
 
-def read_point_cloud(path: str | os.PathLike[str]) -> PointCloud:
-    """Read a point cloud with every attribute that its format gives each point.
+def read(path: str | os.PathLike[str], *, drop_invalid: bool = False) -> PointCloud:
+    r"""Read a point cloud with every attribute that its format gives each point.
 
     Parameters
     ----------
     path : str or path
         The ending names the format.
+    drop_invalid : bool, default False
+        Leave out points that have a coordinate that is NaN or infinite, as scanners write for a ray without
+        an echo. They are kept by default, so that rows of the cloud are those of the file.
 
     Returns
     -------
@@ -47,40 +54,75 @@ def read_point_cloud(path: str | os.PathLike[str]) -> PointCloud:
     Raises
     ------
     InputError
-        There is no such file, the format is not known, the file is empty, damaged or shorter than it says,
-        or a coordinate is not finite.
+        There is no such file, the format is not known, or the file is empty, damaged or shorter than it says.
+
+    Examples
+    --------
+    >>> import tempfile, pathlib
+    >>> folder = pathlib.Path(tempfile.mkdtemp())
+    >>> _ = (folder / "scan.csv").write_text("x,y,z,intensity\\n1,2,3,7\\n4,5,nan,8\\n")
+    >>> cloud = read(folder / "scan.csv")
+    >>> cloud.points.shape, cloud.attributes["intensity"]
+    ((2, 3), array([7., 8.]))
+    >>> len(read(folder / "scan.csv", drop_invalid=True))
+    1
     """
     path = Path(path)
     with _sentences(path):
         _check_source(path)
         family = _family(path)
-        return isolated.read(family, path) if family in _ISOLATED else _module(family).read(path)
+        cloud = isolated.read(family, path) if _isolated(family, path) else _module(family).read(path)
+    invalid = ~np.isfinite(cloud.points).all(axis=1, keepdims=True).ravel()
+    return cloud.take(~invalid) if drop_invalid and invalid.any() else cloud
 
 
-def write_point_cloud(path: str | os.PathLike[str], cloud: PointCloud) -> None:
+def write(path: str | os.PathLike[str], cloud: PointCloud) -> tuple[str, ...]:
     """Write a cloud with its attributes; the file appears under its name only when it is complete.
 
     Parameters
     ----------
     path : str or path
-        The ending names the format; a file of that name is replaced.
+        The ending names the format; a file of that name is replaced, and its mode kept.
     cloud : PointCloud
+
+    Returns
+    -------
+    tuple of str
+        What the format cannot hold as it was: a part that is left out, a name that is spelt in another way,
+        values that are rounded. Empty where a reader gets back what the cloud had.
 
     Raises
     ------
     InputError
-        The format cannot be written or holds no such attribute, or the folder does not exist or is not
+        The format cannot be written or cannot hold the coordinates, or the folder does not exist or is not
         writable.
+
+    Examples
+    --------
+    >>> import tempfile, pathlib
+    >>> import numpy as np
+    >>> folder = pathlib.Path(tempfile.mkdtemp())
+    >>> cloud = PointCloud(np.eye(3), attributes={"id": np.array([7, 8, 9])})
+    >>> write(folder / "scan.ply", cloud)
+    ()
+    >>> write(folder / "scan.off", cloud)
+    ('.off holds no attributes',)
     """
     path = Path(path)
-    family = _writable(path)
-    if family != "arrays":
-        _check_numbers(path, cloud)
-    with beside(path) as part:
-        _module(family).write(part, cloud)
+    module = _module(_writable(path))
+    fit, notes = fitted(cloud, module.HOLDS[path.suffix.lower()], path.suffix.lower())
+    _check_folder(path)
+    try:
+        with whole_file(path) as part:
+            module.write(part, fit)
+    except Damaged as error:
+        raise InputError(f"{path} cannot be written: {error}.") from error
+    return notes
 
 
-def keep_rows(source: str | os.PathLike[str], target: str | os.PathLike[str], rows: Indices) -> None:
+def keep_rows(
+    source: str | os.PathLike[str], target: str | os.PathLike[str], rows: Indices
+) -> tuple[str, ...]:
     """Copy a file with some of its points: values, further properties, comments and header stay as they are.
 
     Parameters
@@ -90,114 +132,98 @@ def keep_rows(source: str | os.PathLike[str], target: str | os.PathLike[str], ro
     rows : ndarray of int, shape (m,)
         Points to keep, ascending.
 
+    Returns
+    -------
+    tuple of str
+        What does not stay, as `write` says it; faces are left out without a word.
+
     Raises
     ------
     InputError
-        As `read_point_cloud` and `write_point_cloud`.
+        As `read` and `write`.
     """
     source, target = Path(source), Path(target)
     family = _writable(target)
-    if _family(source) != family:
-        raise InputError(f"{source.name} and {target.name} are not of one format; write the cloud instead.")
-    with _sentences(source), beside(target) as part:
-        if family in _ISOLATED:
-            isolated.keep_rows(family, source, part, rows)
-        else:
-            _module(family).keep_rows(source, part, rows)
+    with _sentences(source):
+        _check_source(source)
+        if not same_format(source, target):
+            raise InputError(
+                f"{source.name} and {target.name} are not of one format; write the cloud instead."
+            )
+    _check_folder(target)
+    with _sentences(source), whole_file(target) as part:
+        if _isolated(family, source):
+            return isolated.keep_rows(family, source, part, rows)
+        return _module(family).keep_rows(source, part, rows)
 
 
 def same_format(source: str | os.PathLike[str], target: str | os.PathLike[str]) -> bool:
     """Whether `keep_rows` can copy one file to the other."""
-    return _family(Path(source)) == _FAMILY.get(Path(target).suffix.lower())
-
-
-def left_out(path: str | os.PathLike[str], cloud: PointCloud) -> tuple[str, ...]:
-    """What of a cloud the format of ``path`` cannot hold: "normals", "colors", "attributes", "faces"."""
-    holds = _module(_writable(Path(path))).HOLDS
-    if Path(path).suffix.lower() == ".npy":
-        holds = {"attributes"} if cloud.attributes.keys() <= {"columns"} else set()
-    parts = ("normals", "colors", "attributes", "faces")
-    return tuple(part for part in parts if _has(cloud, part) and part not in holds)
+    source, target = Path(source), Path(target)
+    family = _family(source)
+    alike = family != "arrays" or source.suffix.lower() == target.suffix.lower()
+    return source.suffix.lower() != ".ptx" and alike and family == _FAMILY.get(target.suffix.lower())
 
 
 def check_target(path: str | os.PathLike[str]) -> None:
     """Raise an `InputError` now if ``path`` could not be written later."""
     _writable(Path(path))
-    target = _real_target(Path(path))
-    if not os.access(target.parent, os.W_OK | os.X_OK):
-        raise InputError(f"The folder {Path(path).parent} cannot be written to; name another.")
-
-
-@contextmanager
-def beside(path: Path) -> Iterator[Path]:
-    """A file in the same folder that takes the name ``path`` once the block has ended well."""
-    target = _real_target(path)
-    part = target.with_name(f".{os.getpid()}.{target.name}")
-    try:
-        yield part
-        os.replace(part, target)
-    except OSError as error:
-        raise InputError(f"{path} cannot be written: {error.strerror or error}.") from error
-    finally:
-        part.unlink(missing_ok=True)
+    _check_folder(Path(path))
 
 
 @contextmanager
 def _sentences(path: Path) -> Iterator[None]:
-    """Whatever a parser says of a damaged file, as one sentence that names the file."""
+    """Whatever is wrong with a file, as one sentence that names it, without a library's own text."""
+    kind = path.suffix.lower().removeprefix(".").upper()
     try:
         yield
     except LpcompareError:
         raise
+    except Damaged as error:
+        raise InputError(f"{path} cannot be read as {kind}: {error}; is the file complete?") from error
     except OSError as error:
-        raise InputError(f"{path} cannot be read: {error.strerror or error}.") from error
+        raise InputError(f"{path} cannot be read: {error.strerror or 'it is damaged'}.") from error
+    except MemoryError as error:
+        raise InputError(f"{path} cannot be read: it needs more memory than there is.") from error
     except Exception as error:
-        reason = " ".join(str(error).split()).rstrip(".")[:200] or type(error).__name__
-        kind = path.suffix.lower().removeprefix(".").upper()
-        raise InputError(f"{path} cannot be read as {kind}: {reason}; is the file complete?") from error
+        raise InputError(f"{path} cannot be read as {kind}: it is damaged, or not of this format.") from error
 
 
 def _check_source(path: Path) -> None:
     if path.is_dir():
         raise InputError(f"{path} is a folder; name a file.")
-    if path.stat().st_size == 0 and path.is_file():
+    size = path.stat().st_size
+    if not path.is_file():
+        raise InputError(f"{path} is no regular file but a pipe or device; write it to a file first.")
+    if size == 0:
         raise InputError(f"{path} is empty (0 bytes); export it again.")
-    if path.is_file():
-        path.open("rb").close()  # what may not be read needs no reader
+    path.open("rb").close()  # what may not be read needs no reader
 
 
-def _real_target(path: Path) -> Path:
-    """The file behind the links; it or its folder must be able to take a file's place."""
+def _check_folder(path: Path) -> None:
+    """The file behind the links, or its folder, must be able to take a file's place."""
     target = Path(os.path.realpath(path))
     if target.exists() and not target.is_file():
         raise InputError(f"{path} is not a file; name a file to write.")
     if not target.parent.is_dir():
         raise InputError(f"The folder {path.parent} does not exist; create it or name another.")
-    return target
-
-
-def _check_numbers(path: Path, cloud: PointCloud) -> None:
-    for name, values in cloud.attributes.items():
-        if values.dtype.kind not in "biuf":
-            raise InputError(
-                f"{path} cannot hold the attribute {name!r} of type {values.dtype}, only real numbers; "
-                "write to .npz, or remove the attribute."
-            )
-
-
-def _has(cloud: PointCloud, part: str) -> bool:
-    value = getattr(cloud, part)
-    return bool(value) if part == "attributes" else value is not None
+    if not os.access(target.parent, os.W_OK | os.X_OK):
+        raise InputError(f"The folder {path.parent} cannot be written to; name another.")
 
 
 def _module(family: str) -> ModuleType:
     return import_module(f"lpcompare.io.{family}")
 
 
+def _isolated(family: str, path: Path) -> bool:
+    """Whether the reader could end the whole process."""
+    return family == "foreign" or path.suffix.lower() == ".laz"
+
+
 def _family(path: Path) -> str:
     """Name of the file of this folder that reads the format."""
     suffix = path.suffix.lower()
-    if suffix == ".pts" and _begins_with(path, b"["):
+    if suffix == ".pts" and path.is_file() and _begins_with(path, b"["):
         suffix = ".apts"  # MeshLab's binary point sets share the ending of plain rows
     families = _FAMILY | _READ_ONLY
     if suffix not in families:

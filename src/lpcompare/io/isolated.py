@@ -1,29 +1,40 @@
 """Files whose library can crash, hang or abort on damage, worked on in a child process.
 
 pymeshlab's readers and the LAZ decompressor end the whole process on some damaged files; in a child that is
-one more way in which a file cannot be read.
+one more way in which a file cannot be read. Nothing from the current folder or from Python's variables runs
+in it, and it ends with its parent.
 """
 
 from __future__ import annotations
 
+import errno
 import json
+import os
+import signal
 import subprocess
 import sys
 import tempfile
-from collections.abc import Mapping
+from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lpcompare.errors import InputError, Unavailable
+from lpcompare.io.arrays import packed, unpacked
+from lpcompare.io.rows import Damaged
 from lpcompare.types import Indices, PointCloud
 
 _SECONDS = 20.0
 _SECONDS_PER_MIB = 2.0
-_FIELDS = ("points", "normals", "colors", "faces")
-_ATTRIBUTE = "attribute:"
+_MEMORY_BYTES = 2 * 2**30
+_MEMORY_PER_BYTE = 60
+_PARENT_DEATH = 1  # of Linux's prctl
+_ROOT = Path(__file__).parents[2]
+_START = (
+    "import sys; sys.path.append(sys.argv[1]); from lpcompare.io.isolated import main; main(*sys.argv[2:])"
+)
+_ERRORS = {"InputError": InputError, "Unavailable": Unavailable}
 
 
 def read(family: str, path: Path) -> PointCloud:
@@ -33,49 +44,89 @@ def read(family: str, path: Path) -> PointCloud:
     ------
     InputError, Unavailable
         As the reader itself.
-    ValueError
+    Damaged
         The reader refused the file, crashed or did not come back.
     """
-    with tempfile.TemporaryDirectory(prefix="lpcompare-") as folder:
-        result = Path(folder) / "cloud.npz"
-        _run_child(path, [family, "read", str(path), str(result)])
-        with np.load(result, allow_pickle=False) as arrays:
-            return unpacked({name: arrays[name] for name in arrays.files}, path.stem)
+    with tempfile.TemporaryFile() as answer:
+        names = _answer(path, [family, "read", str(path)], subprocess.DEVNULL, answer)
+        return unpacked({name: np.load(answer, allow_pickle=False) for name in names}, path.stem)
 
 
-def keep_rows(family: str, source: Path, target: Path, rows: Indices) -> None:
+def keep_rows(family: str, source: Path, target: Path, rows: Indices) -> tuple[str, ...]:
     """Do what ``keep_rows`` of a file of this folder does; raises as `read`."""
-    with tempfile.TemporaryDirectory(prefix="lpcompare-") as folder:
-        np.save(Path(folder) / "rows.npy", rows)
-        arguments = [family, "keep_rows", str(source), str(target), str(Path(folder) / "rows.npy")]
-        _run_child(source, arguments)
+    with tempfile.TemporaryFile() as answer, tempfile.TemporaryFile() as given:
+        np.save(given, rows)
+        given.seek(0)
+        return tuple(_answer(source, [family, "keep_rows", str(source), str(target)], given, answer))
 
 
-def packed(cloud: PointCloud) -> dict[str, NDArray[Any]]:
-    """The cloud as named arrays; the name itself is the file's."""
-    arrays = {name: getattr(cloud, name) for name in _FIELDS if getattr(cloud, name) is not None}
-    return arrays | {_ATTRIBUTE + name: values for name, values in cloud.attributes.items()}
-
-
-def unpacked(arrays: Mapping[str, NDArray[Any]], name: str) -> PointCloud:
-    """The cloud of `packed` arrays."""
-    attributes = {k.removeprefix(_ATTRIBUTE): v for k, v in arrays.items() if k.startswith(_ATTRIBUTE)}
-    return PointCloud(**{k: arrays[k] for k in _FIELDS if k in arrays}, attributes=attributes, name=name)
-
-
-def _run_child(path: Path, arguments: list[str]) -> None:
-    """Run `isolated_child`; the last line of its output is "done" or the reason of a refusal."""
+def _answer(path: Path, arguments: list[str], given: int | IO[bytes], answer: IO[bytes]) -> list[str]:
+    """Run `main` in a child; ``answer`` begins with a line that says how it went, which is returned."""
     limit = _SECONDS + _SECONDS_PER_MIB * path.stat().st_size / 2**20
-    command = [sys.executable, "-m", "lpcompare.io.isolated_child", *arguments]
+    command = [sys.executable, "-P", "-c", _START, str(_ROOT), *arguments]
+    clean = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
     try:
-        child = subprocess.run(command, capture_output=True, timeout=limit, check=False)
-    except subprocess.TimeoutExpired as error:
-        raise ValueError(f"its reader did not come back within {limit:.0f} s") from error
-    answer = child.stdout.decode(errors="replace").rpartition("\n")[2]
-    if not answer.startswith("{"):
-        raise ValueError(f"its reader crashed (exit code {child.returncode})")
-    verdict = json.loads(answer)
-    if verdict["error"]:
-        raise {"InputError": InputError, "Unavailable": Unavailable}.get(verdict["error"], ValueError)(
-            verdict["reason"]
+        child = subprocess.run(
+            command,
+            stdin=given,
+            stdout=answer,
+            stderr=subprocess.DEVNULL,
+            env=clean,
+            timeout=limit,
+            check=False,
         )
+    except subprocess.TimeoutExpired as error:
+        raise Damaged(f"its reader did not come back within {limit:.0f} s") from error
+    answer.seek(0)
+    line = answer.readline()
+    if not line.endswith(b"\n"):
+        raise Damaged(f"its reader crashed (exit code {child.returncode})")
+    verdict = json.loads(line)
+    if verdict["error"] == "OSError":
+        raise OSError(errno.EIO, verdict["reason"])
+    if verdict["error"]:
+        raise _ERRORS.get(verdict["error"], Damaged)(verdict["reason"])
+    return verdict["names"]
+
+
+def main(family: str, action: str, source: str, target: str = "") -> None:
+    """Read or copy one file; the child's side of `_answer`."""
+    out = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)  # what a library prints is no answer
+    _limit(Path(source))
+    names: list[str] = []
+    values: list[Any] = []
+    error = reason = ""
+    try:
+        module = import_module(f"lpcompare.io.{family}")
+        if action == "read":
+            arrays = packed(module.read(Path(source)))
+            names, values = list(arrays), list(arrays.values())
+        else:
+            names = list(module.keep_rows(Path(source), Path(target), np.load(sys.stdin.buffer)))
+    except (InputError, Unavailable, Damaged) as refusal:
+        error, reason = type(refusal).__name__, str(refusal)
+    except OSError as failure:
+        error, reason = "OSError", failure.strerror or type(failure).__name__
+    except BaseException:  # a Rust panic is no Exception; a library's own text is not for people
+        error, reason = "Damaged", "it is damaged, or not of this format"
+    out.write(json.dumps({"error": error, "reason": reason, "names": names}).encode() + b"\n")
+    for array in values:
+        np.save(out, array, allow_pickle=False)
+    out.close()
+
+
+def _limit(source: Path) -> None:
+    """A damaged count must not take the machine's memory, and the child ends when its parent does."""
+    if sys.platform == "linux":
+        import ctypes
+
+        ctypes.CDLL(None).prctl(_PARENT_DEATH, signal.SIGKILL)
+    try:
+        import resource
+    except ImportError:  # systems without such limits go without
+        return
+    soft, hard = resource.getrlimit(resource.RLIMIT_AS)
+    own = _MEMORY_BYTES + _MEMORY_PER_BYTE * source.stat().st_size
+    known = [limit for limit in (own, soft, hard) if limit != resource.RLIM_INFINITY]
+    resource.setrlimit(resource.RLIMIT_AS, (min(known), hard))

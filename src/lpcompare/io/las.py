@@ -1,70 +1,111 @@
-"""LAS, LAZ and COPC (laspy): every dimension, scale, offset and coordinate reference system."""
+"""LAS, LAZ and COPC (laspy): every dimension, scale, offset and coordinate reference system.
+
+What a file promises is held against its size before laspy believes it: laspy makes an object for every
+promised record and a byte for every promised byte of points, found or not.
+"""
 
 from __future__ import annotations
 
+import struct
 from pathlib import Path
-from typing import Any
+from typing import BinaryIO
 
 import laspy
 import numpy as np
 from laspy.header import Version
 from laspy.vlrs.vlrlist import VLRList
+from lazrs.lazrs import LazVlr, read_chunk_table
 from numpy.typing import NDArray
 
-from lpcompare.io.checks import check_held, checked_points
-from lpcompare.io.las_header import check_header, largest_chunk
+from lpcompare.io.columns import AXES, COLORS, NORMALS, NUMBERS, Holds, cloud_of, columns_of
+from lpcompare.io.rows import Damaged, check_held, check_room
 from lpcompare.types import Indices, PointCloud
 
-HOLDS = frozenset({"colors", "attributes"})
+_FIELDS = {
+    **{
+        "intensity": ("u2", 0, 65535),
+        "point_source_id": ("u2", 0, 65535),
+        "scan_angle": ("i2", -32768, 32767),
+    },
+    **{"classification": ("u1", 0, 255), "user_data": ("u1", 0, 255), "gps_time": ("f8", None, None)},
+    **{"return_number": ("u1", 0, 15), "number_of_returns": ("u1", 0, 15), "scanner_channel": ("u1", 0, 3)},
+    **dict.fromkeys(("synthetic", "key_point", "withheld", "overlap"), ("u1", 0, 1)),
+    **dict.fromkeys(("scan_direction_flag", "edge_of_flight_line"), ("u1", 0, 1)),
+}
+_PARTS = ("X", "Y", "Z", "bit_fields", "classification_flags")
 
-_COLORS = ("red", "green", "blue")
+HOLDS = dict.fromkeys(
+    (".las", ".laz"),
+    Holds(
+        types=NUMBERS,
+        normals="f8",
+        colors="u2",
+        alpha=False,
+        unfit=r"[\x00-\x1f\x7f\ud800-\udfff]+",
+        longest=32,
+        reserved=(*AXES, *NORMALS, *COLORS[:3], *_PARTS),
+        fields=_FIELDS,
+        most=330,
+    ),
+)
+
 _LARGEST_INTEGER = 2**31 - 1
-_LONGEST_NAME = 32
+_WAVEFORMS_AT = 227
+_WAVEFORM_RECORD = (b"LASF_Spec", 65535)
+
+_FIRST = struct.Struct("<24xBB68xHIIBHI")  # version, sizes and counts, the same in every version
+_EXTENDED = struct.Struct("<235xQIQ")  # the additions of version 1.4
+_SMALLEST = 227
+_RECORD_BYTES = 54
+_EXTENDED_RECORD = struct.Struct("<2x16sHQ32x")
+_COMPRESSED, _COMPRESSION = 0x80, 0xC0
+_POINTWISE, _LAYERED = b"\1\0", b"\3\0"
+_ITEM = struct.Struct("<HH2x")  # a part of a compressed point: kind, bytes, version
+_FIRST_ITEM_AT = 34
+_LAYERS = {10: 9, 11: 1, 12: 2, 13: 1}  # of the kinds of part; extra bytes have a layer each
 
 
 def read(path: Path) -> PointCloud:
     """Scaled coordinates; colours from 0 to 1; every other dimension under its name."""
     file = _open(path)
     names = [name for name in file.point_format.dimension_names if name not in ("X", "Y", "Z")]
-    colors = _colors(file) if set(_COLORS) <= set(names) else None
-    points = checked_points(np.asarray(file.xyz), path.name)
-    attributes = {n: np.array(file[n]) for n in names if colors is None or n not in _COLORS}
-    return PointCloud(points, colors=colors, attributes=attributes, name=path.stem)
+    columns = dict(zip(AXES, np.asarray(file.xyz).T, strict=True))
+    return cloud_of(
+        columns | {name: np.array(file[name]) for name in names if name not in columns}, path.stem
+    )
 
 
 def write(path: Path, cloud: PointCloud) -> None:
     """LAS 1.4, coordinates in steps of a power of ten that is fine enough to use all 32 bits."""
     header = laspy.LasHeader(version="1.4", point_format=6 if cloud.colors is None else 7)
-    low, high = cloud.points.min(axis=0), cloud.points.max(axis=0)
-    step = max(float((high - low).max()) / _LARGEST_INTEGER, np.spacing(np.abs(cloud.points).max()))
-    header.scales = np.full(3, 10.0 ** np.ceil(np.log10(max(step, 1e-12))))
-    header.offsets = np.floor(low)
+    header.scales, header.offsets = _grid(cloud.points)
+    columns = {name: values for name, values in columns_of(cloud).items() if name not in AXES}
     known = set(header.point_format.dimension_names)
-    extra = {n[:_LONGEST_NAME]: v for n, v in _columns(cloud).items() if n not in known}
-    header.add_extra_dims([laspy.ExtraBytesParams(name=n, type=_type(v)) for n, v in extra.items()])
+    extra = {name: values.dtype.str[1:] for name, values in columns.items() if name not in known}
+    header.add_extra_dims([laspy.ExtraBytesParams(name=name, type=kind) for name, kind in extra.items()])
     file = laspy.LasData(header)
     file.x, file.y, file.z = cloud.points.T
-    for name, values in {**extra, **{n: v for n, v in cloud.attributes.items() if n in known}}.items():
+    for name, values in columns.items():
         file[name] = values
-    if cloud.colors is not None:
-        for name, values in zip(_COLORS, cloud.colors.T, strict=False):
-            file[name] = np.rint(np.clip(values, 0, 1) * 65535).astype(np.uint16)
     file.write(str(path))
 
 
-def _columns(cloud: PointCloud) -> dict[str, NDArray[Any]]:
-    """The attributes, those of several columns as one dimension for each: name_0, name_1, ..."""
-    columns: dict[str, NDArray[Any]] = {}
-    for name, values in cloud.attributes.items():
-        if values.ndim == 1:
-            columns[name] = values
-        else:
-            short = name[: _LONGEST_NAME - 4]
-            columns |= {f"{short}_{i}": v for i, v in enumerate(values.reshape(len(values), -1).T)}
-    return columns
+def _grid(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Step and origin, each (3,), with which every coordinate is an integer of 32 bits."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    extent = float((high - low).max())
+    if not np.isfinite(extent):
+        raise Damaged("coordinates are NaN or infinite, which LAS cannot hold; leave these points out")
+    unit = min(1.0, 10.0 ** np.ceil(np.log10(extent))) if extent else 0.0
+    origin = np.floor(low / unit) * unit if unit else low
+    finest = max(extent / _LARGEST_INTEGER, float(np.spacing(np.abs(points).max())), 1e-300)
+    scale = 10.0 ** np.ceil(np.log10(finest))
+    while (high - origin).max() / scale > _LARGEST_INTEGER:
+        scale *= 10
+    return np.full(3, scale), origin
 
 
-def keep_rows(source: Path, target: Path, rows: Indices) -> None:
+def keep_rows(source: Path, target: Path, rows: Indices) -> tuple[str, ...]:
     """The same file with some of its points; a COPC becomes a plain LAZ, because its tree no longer holds."""
     file = _open(source)
     file.points = laspy.ScaleAwarePointRecord(
@@ -76,6 +117,7 @@ def keep_rows(source: Path, target: Path, rows: Indices) -> None:
     if file.header.version.minor == 0:
         file.header.version = Version(1, 1)  # of the same layout, and laspy writes no 1.0
     _write(target, file)
+    return _keep_waveforms(source, target, file.header)
 
 
 def _write(path: Path, file: laspy.LasData) -> None:
@@ -87,8 +129,49 @@ def _write(path: Path, file: laspy.LasData) -> None:
             writer.write_evlrs(file.evlrs)
 
 
+def _keep_waveforms(source: Path, target: Path, header: laspy.LasHeader) -> tuple[str, ...]:
+    """Copy the record of waveforms that points refer to and name its place; say what is not copied."""
+    start = header.start_of_waveform_data_packet_record if header.version.minor >= 3 else 0
+    if not start:
+        beside = header.version.minor >= 3 and header.global_encoding.waveform_data_packets_external
+        return (f"its waveforms stay in {source.stem}.wdp",) if beside else ()
+    with source.open("rb") as old, target.open("r+b") as new:
+        length, place = _waveforms(old, start), 0
+        if length:
+            place = (_listed(new) if header.version.minor >= 4 else 0) or new.seek(0, 2)
+            old.seek(start)
+            new.seek(place)
+            for at in range(0, length, 2**24):
+                new.write(old.read(min(2**24, length - at)))
+        new.seek(_WAVEFORMS_AT)
+        new.write(struct.pack("<Q", place))
+    return () if length else ("its waveforms are left out, they are not where its header says",)
+
+
+def _waveforms(file: BinaryIO, start: int) -> int:
+    """Bytes of the record of waveforms that begins at a place of the file; 0 where it is none."""
+    size = file.seek(0, 2)
+    file.seek(start)
+    head = file.read(_EXTENDED_RECORD.size)
+    user, number, length = _EXTENDED_RECORD.unpack(head.ljust(_EXTENDED_RECORD.size))
+    whole = length + _EXTENDED_RECORD.size
+    return whole if (user.rstrip(b"\0"), number) == _WAVEFORM_RECORD and start + whole <= size else 0
+
+
+def _listed(file: BinaryIO) -> int:
+    """Where the record of waveforms is among the extended records; 0 where it is not."""
+    file.seek(0)
+    start, count, _ = _EXTENDED.unpack(file.read(_EXTENDED.size))
+    for _ in range(count):
+        if _waveforms(file, start):
+            return start
+        file.seek(start)
+        start += _EXTENDED_RECORD.size + _EXTENDED_RECORD.unpack(file.read(_EXTENDED_RECORD.size))[2]
+    return 0
+
+
 def _open(path: Path) -> laspy.LasData:
-    """The whole file; shorter than its header says is a `ValueError`."""
+    """The whole file; shorter than its header says is `Damaged`."""
     check_header(path)
     with laspy.open(str(path)) as reader:
         promised = reader.header.point_count
@@ -99,13 +182,87 @@ def _open(path: Path) -> laspy.LasData:
     return file
 
 
-def _colors(file: laspy.LasData) -> NDArray[np.float64]:
-    """Colours of 16 bits; many files hold 8 bits in them, which the largest value shows."""
-    channels = np.column_stack([np.asarray(file[n], dtype=np.float64) for n in _COLORS])
-    largest = 65535.0 if channels.size and channels.max() > 255 else 255.0
-    return np.column_stack([channels / largest, np.ones(len(channels))])
+def check_header(path: Path) -> None:
+    """Raise a `Damaged` where records, or points that are not compressed, need more than the file."""
+    size = path.stat().st_size
+    with path.open("rb") as file:
+        head = file.read(_EXTENDED.size)
+        if not head.startswith(b"LASF"):
+            raise Damaged(f"it begins with {head[:4]!r}, not with b'LASF'")
+        if len(head) < _SMALLEST:
+            raise Damaged(f"it ends in the header, after {len(head)} of at least {_SMALLEST} bytes")
+        major, minor, end, start, n_records, kind, length, n_points = _FIRST.unpack_from(head)
+        if major != 1 or minor > 5:
+            raise Damaged(f"it says version {major}.{minor}; 1.0 to 1.5 are known")
+        if not max(end, _SMALLEST) <= start <= size:
+            raise Damaged(f"its points begin at byte {start}; its header has {end} and the file {size}")
+        check_room("records", n_records, _RECORD_BYTES, start - end)
+        if minor >= 4:
+            first, n_extended, n_points = _EXTENDED.unpack(head.ljust(_EXTENDED.size))
+            _check_extended(file, first, n_extended, size)
+    if kind & _COMPRESSION != _COMPRESSED:
+        check_room("points", n_points, length, size - start)
 
 
-def _type(values: NDArray[Any]) -> str:
-    """The extra-bytes type of an attribute; LAS has no booleans."""
-    return "u1" if values.dtype.kind == "b" else values.dtype.str[1:]
+def largest_chunk(path: Path, header: laspy.LasHeader) -> int:
+    """Points in the largest chunk of a LAZ, as far as its table says; 0 without a table.
+
+    Raises
+    ------
+    Damaged
+        The chunks are not in the file, or hold fewer points than promised.
+    """
+    records = header.vlrs.get("LasZipVlr")
+    if not records:
+        raise Damaged("it has no record that says how its points are compressed")
+    how = records[0].record_data_bytes()
+    if how[:2] == _POINTWISE:
+        return 0
+    start, size = header.offset_to_point_data, path.stat().st_size
+    with path.open("rb") as file:
+        table = _table_position(file, start, size)
+        file.seek(table + 4)
+        check_room("chunks", int.from_bytes(file.read(4), "little"), header.point_format.size, size - start)
+        file.seek(start)
+        chunks = read_chunk_table(file, LazVlr(how))
+        check_held("bytes of points", sum(n_bytes for _, n_bytes in chunks), table - start)
+        if how[:2] == _LAYERED:
+            _check_layers(file, how, start + 8, [n_bytes for _, n_bytes in chunks if n_bytes])
+    check_held("points", header.point_count, sum(n_points for n_points, _ in chunks))
+    return max((n_points for n_points, _ in chunks), default=0)
+
+
+def _table_position(file: BinaryIO, start: int, size: int) -> int:
+    """Where the table of chunks begins; a writer that could not go back says so in the last bytes."""
+    for at in (start, size - 8):
+        file.seek(max(at, 0))
+        position = int.from_bytes(file.read(8), "little", signed=True)
+        if position > start:
+            break
+    if not start < position <= size - 8:
+        raise Damaged(f"its table of chunks begins at byte {position}, not between {start} and {size}")
+    return position
+
+
+def _check_layers(file: BinaryIO, how: bytes, start: int, chunks: list[int]) -> None:
+    """In front of each chunk, after its first point and a count, stand the lengths of its layers."""
+    starts = range(_FIRST_ITEM_AT, len(how) - _ITEM.size + 1, _ITEM.size)
+    items: list[tuple[int, int]] = [_ITEM.unpack_from(how, at) for at in starts]
+    before = sum(length for _, length in items) + 4
+    n_layers = sum(_LAYERS.get(kind) or length for kind, length in items)
+    for n_bytes in chunks:
+        file.seek(start + before)
+        lengths = np.frombuffer(file.read(4 * n_layers), "<u4")
+        check_held("bytes of layers", int(lengths.sum()), n_bytes - before - 4 * n_layers)
+        start += n_bytes
+
+
+def _check_extended(file: BinaryIO, start: int, count: int, size: int) -> None:
+    """Each extended record, by its length, ends inside the file."""
+    if count:
+        check_room("extended records", count, _EXTENDED_RECORD.size, size - start)
+    for _ in range(count):
+        file.seek(start)
+        start += _EXTENDED_RECORD.size + _EXTENDED_RECORD.unpack(file.read(_EXTENDED_RECORD.size))[2]
+        if start > size:
+            raise Damaged(f"an extended record would end at byte {start} of {size}")

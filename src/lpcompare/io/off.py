@@ -6,13 +6,12 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
-from lpcompare.io.checks import checked_points
-from lpcompare.io.polygons import fan_triangles
+from lpcompare.io.columns import AXES, COLORS, NORMALS, Holds, cloud_of
+from lpcompare.io.faces import fan_triangles
+from lpcompare.io.rows import Damaged, numbers
 from lpcompare.types import Indices, PointCloud
 
-HOLDS = frozenset({"colors", "faces"})
+HOLDS = {".off": Holds(colors="u1", faces=True)}
 
 _KEYWORD = re.compile(rb"(ST)?[CN]{0,2}4?n?OFF\b")
 
@@ -28,28 +27,20 @@ class _File:
 
 
 def read(path: Path) -> PointCloud:
-    """Vertices and triangles; colours or normals where the keyword leaves no doubt about the columns."""
+    """Vertices and triangles; colours and normals where the keyword leaves no doubt about the columns."""
     file = _take_apart(path)
-    values = np.loadtxt(file.vertices, ndmin=2, comments=None, encoding="latin1")
-    points = checked_points(values[:, :3], path.name)
-    corners = [[int(c) for c in line.split()] for line in file.faces]
-    for line in corners:
-        if len(line) <= line[0]:
-            raise ValueError(f"a face of {line[0]} corners names {len(line) - 1}")
-    faces = fan_triangles([line[1 : 1 + line[0]] for line in corners], len(points), path.name)
-    if file.keyword == b"NOFF" and values.shape[1] == 6:
-        return PointCloud(points, normals=values[:, 3:6], faces=faces, name=path.stem)
-    if file.keyword == b"COFF" and values.shape[1] in (6, 7):
-        return PointCloud(points, colors=_colors(values[:, 3:]), faces=faces, name=path.stem)
-    more = {f"column_{i + 1}": values[:, i] for i in range(3, values.shape[1])}
-    return PointCloud(points, attributes=more, faces=faces, name=path.stem)
+    values = numbers(file.vertices)
+    corners = _polygons(file.faces)
+    faces = fan_triangles(corners, len(values)) if corners else None
+    names = _names(file.keyword, values.shape[1])
+    return cloud_of(dict(zip(names, values.T, strict=True)), path.stem, faces)
 
 
 def write(path: Path, cloud: PointCloud) -> None:
     """OFF, or COFF with colours as bytes; coordinates with all their digits."""
-    colors = None if cloud.colors is None else np.rint(np.clip(cloud.colors, 0, 1) * 255).astype(int).tolist()
+    colors = None if cloud.colors is None else cloud.colors.tolist()
     faces = [] if cloud.faces is None else cloud.faces.tolist()
-    with path.open("w", encoding="ascii") as file:
+    with path.open("w", encoding="ascii", newline="\n") as file:
         file.write(f"{'OFF' if colors is None else 'COFF'}\n{len(cloud)} {len(faces)} 0\n")
         for i, point in enumerate(cloud.points.tolist()):
             file.write(" ".join(map(repr, point)))
@@ -57,11 +48,12 @@ def write(path: Path, cloud: PointCloud) -> None:
         file.writelines(f"3 {' '.join(map(str, corners))}\n" for corners in faces)
 
 
-def keep_rows(source: Path, target: Path, rows: Indices) -> None:
+def keep_rows(source: Path, target: Path, rows: Indices) -> tuple[str, ...]:
     """The same comments and vertex lines, without faces."""
     file = _take_apart(source)
     head = [file.keyword, *file.comments, b"%d 0 0" % len(rows)]
     target.write_bytes(b"\n".join([*head, *(file.vertices[i] for i in rows)]) + b"\n")
+    return ()
 
 
 def _take_apart(path: Path) -> _File:
@@ -69,7 +61,7 @@ def _take_apart(path: Path) -> _File:
 
     Raises
     ------
-    ValueError
+    Damaged
         No OFF keyword, a binary or four-dimensional file, or fewer lines than the counts say.
     """
     lines = [line.strip() for line in path.read_bytes().splitlines()]
@@ -77,20 +69,36 @@ def _take_apart(path: Path) -> _File:
     content = [line.partition(b"#")[0].strip() for line in lines]
     content = [line for line in content if line]
     match = _KEYWORD.match(content[0]) if content else None
-    if match is None:
-        raise ValueError("it does not begin with OFF")
-    keyword, after = match[0], content[0][match.end() :].split()
+    if match is None and not re.fullmatch(rb"\d+ +\d+( +\d+)?", content[0] if content else b""):
+        raise Damaged("it does not begin with OFF")
+    keyword, after = (match[0], content[0][match.end() :].split()) if match else (b"OFF", content[0].split())
     if b"4" in keyword or b"n" in keyword or after[:1] == [b"BINARY"]:
-        raise ValueError(f"the kind {content[0][:20]!r} is not supported, only text in three dimensions")
-    counts = after or content[1].split()
+        raise Damaged(f"the kind {content[0][:20]!r} is not supported, only text in three dimensions")
+    counts = after or b"".join(content[1:2]).split()
     body = content[1:] if after else content[2:]
-    n_vertices, n_faces = int(counts[0]), int(counts[1])
+    n_vertices, n_faces = (int(n) if n.isdigit() else -1 for n in (*counts, b"", b"")[:2])
     if n_vertices < 1 or n_faces < 0 or len(body) < n_vertices + n_faces:
-        raise ValueError(f"it promises {n_vertices} vertices and {n_faces} faces and holds {len(body)} lines")
+        raise Damaged(f"it promises {n_vertices} vertices and {n_faces} faces and holds {len(body)} lines")
     return _File(keyword, comments, body[:n_vertices], body[n_vertices : n_vertices + n_faces])
 
 
-def _colors(values: np.ndarray) -> np.ndarray:
-    """Colours from 0 to 1: written as fractions, or as bytes where a value is larger than 1."""
-    scaled = values / 255 if values.max() > 1 else values
-    return scaled if values.shape[1] == 4 else np.column_stack([scaled, np.ones(len(scaled))])
+def _names(keyword: bytes, width: int) -> list[str]:
+    """The columns' names: normals and colours of the keyword, where they fill the row; else numbered ones."""
+    names = [*AXES, *(NORMALS if b"N" in keyword else ())]
+    rest = width - len(names)
+    if b"C" in keyword and rest in (3, 4) and not keyword.startswith(b"ST"):
+        names += COLORS[:rest]
+    if len(names) != width:
+        names = [*AXES, *(f"column_{i}" for i in range(4, width + 1))]
+    return names[:width]
+
+
+def _polygons(lines: list[bytes]) -> list[list[int]]:
+    """The corners of each line 'n a b c ... color'."""
+    polygons = []
+    for line in lines:
+        n, *corners = (word for word in line.split())
+        if not n.isdigit() or int(n) > len(corners) or not all(c.isdigit() for c in corners[: int(n)]):
+            raise Damaged(f"{line[:40]!r} is no face: a number of corners, and so many rows of points")
+        polygons.append([int(corner) for corner in corners[: int(n)]])
+    return polygons

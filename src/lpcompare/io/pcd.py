@@ -1,150 +1,215 @@
-"""PCD of the Point Cloud Library (pypcd4): every field in its own type, the header and the encoding."""
+"""PCD of the Point Cloud Library: every field in its own type, the header and the encoding.
+
+Read here and not by a library, because other tools write headers that PCL's description does not allow, and
+rows of text stay the file's own.
+"""
 
 from __future__ import annotations
 
 import re
-from io import BytesIO
+import struct
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import lzf
 import numpy as np
 from numpy.typing import NDArray
-from pypcd4.pypcd4 import Encoding
-from pypcd4.pypcd4 import PointCloud as PcdFile
 
-from lpcompare.io.checks import checked_points
+from lpcompare.io.columns import AXES, Holds, cloud_of, columns_of
+from lpcompare.io.rows import Damaged, check_held, decoded, numbers
 from lpcompare.types import Indices, PointCloud
 
-HOLDS = frozenset({"normals", "colors", "attributes"})
-
-_AXES = ("x", "y", "z")
 _NORMALS = ("normal_x", "normal_y", "normal_z")
-_PADDING = "#"
+_PACKED = ("rgba", "rgb")
+_KINDS = {"F": "f", "U": "u", "I": "i"}
+_LONGEST_HEADER = 2**20
 _LARGEST_COUNT = 9999
+_LARGEST_RATIO = 300  # LZF makes nothing shorter than a 264th
+
+HOLDS = {
+    ".pcd": Holds(
+        types=("u1", "i1", "u2", "i2", "u4", "i4", "u8", "i8", "f4", "f8"),
+        normals="f4",
+        colors="u1",
+        vectors=True,
+        unfit=r"[\s\x00-\x1f\x7f-\xa0\ud800-\udfff]|^[#%=]",
+        reserved=(*AXES, *_NORMALS, *_PACKED, "_"),
+    )
+}
+
+
+@dataclass(frozen=True)
+class _File:
+    """A file taken apart: lines of the header up to DATA, the type of a point, and the body."""
+
+    head: list[bytes]
+    encoding: bytes
+    kind: np.dtype[Any]
+    names: tuple[str, ...]
+    shape: tuple[int, int]
+    body: bytes
+
+    @property
+    def count(self) -> int:
+        return self.shape[0] * self.shape[1]
 
 
 def read(path: Path) -> PointCloud:
     """Coordinates, normals, the packed colour as red, green, blue, alpha; every other field as it is."""
-    table = _open(path).pc_data
-    names = [name for name in table.dtype.names or () if not name.startswith(_PADDING)]
-    if not {*_AXES} <= set(names):
-        raise ValueError("it has no fields x, y and z")
-    points = checked_points(np.column_stack([table[n] for n in _AXES]), path.name)
-    packed = next((n for n in ("rgba", "rgb") if n in names and table[n].dtype.itemsize == 4), "")
-    normals = None
-    if {*_NORMALS} <= set(names):
-        normals = np.column_stack([table[n] for n in _NORMALS]).astype(np.float64)
-    known = {*_AXES, packed} | ({*_NORMALS} if normals is not None else set())
-    return PointCloud(
-        points,
-        normals=normals,
-        colors=_unpacked(table[packed], packed == "rgba") if packed else None,
-        attributes={n: np.array(table[n]) for n in names if n not in known},
-        name=path.stem,
-    )
+    file = _take_apart(path)
+    table = _table(file)
+    columns: dict[str, NDArray[Any]] = {}
+    for name, key in zip(file.names, file.kind.names or (), strict=True):
+        if name.lower() in _PACKED and file.kind[key].itemsize == 4:
+            words = np.ascontiguousarray(table[key]).view(np.uint32)
+            channels = {"red": 16, "green": 8, "blue": 0} | ({"alpha": 24} if name.lower() == "rgba" else {})
+            columns |= {
+                channel: (words >> shift & 255).astype(np.uint8) for channel, shift in channels.items()
+            }
+        elif name != "_":
+            columns[name] = table[key]
+    return cloud_of(columns, path.stem)
 
 
 def write(path: Path, cloud: PointCloud) -> None:
     """Binary PCD; coordinates in single precision where that loses nothing, as PCL expects them."""
-    exact = np.array_equal(cloud.points.astype(np.float32), cloud.points)
-    columns: dict[str, NDArray[Any]] = dict(
-        zip(_AXES, cloud.points.T.astype(np.float32 if exact else np.float64), strict=True)
-    )
-    if cloud.normals is not None:
-        columns |= dict(zip(_NORMALS, cloud.normals.T.astype(np.float32), strict=True))
+    columns = columns_of(cloud, _NORMALS)
+    with np.errstate(over="ignore"):
+        if np.array_equal(cloud.points.astype(np.float32), cloud.points, equal_nan=True):
+            columns |= {axis: columns[axis].astype(np.float32) for axis in AXES}
     if cloud.colors is not None:
-        columns["rgba"] = _packed(cloud.colors)
-    for name, values in cloud.attributes.items():
-        flat = values.reshape(len(cloud), -1)
-        suffixes = [""] if flat.shape[1] == 1 else [f"_{i}" for i in range(flat.shape[1])]
-        columns |= {f"{name}{s}".replace(" ", "_"): c for s, c in zip(suffixes, flat.T, strict=True)}
-    plain = [c.astype(_plain_type(c.dtype)) for c in columns.values()]
-    PcdFile.from_points(plain, tuple(columns), tuple(c.dtype for c in plain)).save(path)
+        red, green, blue, alpha = (
+            columns.pop(c).astype(np.uint32) for c in ("red", "green", "blue", "alpha")
+        )
+        ahead = {n: columns[n] for n in (*AXES, *_NORMALS) if n in columns}
+        columns = ahead | {"rgba": alpha << 24 | red << 16 | green << 8 | blue} | columns
+    kinds = [(name, values.dtype.newbyteorder("<"), values.shape[1:]) for name, values in columns.items()]
+    table = np.empty(len(cloud), kinds)
+    for name, values in columns.items():
+        table[name] = values
+    head = {
+        "VERSION": ["0.7"],
+        "FIELDS": list(columns),
+        "SIZE": [values.dtype.itemsize for values in columns.values()],
+        "TYPE": [values.dtype.kind.upper() for values in columns.values()],
+        "COUNT": [values.shape[1] if values.ndim == 2 else 1 for values in columns.values()],
+        "WIDTH": [len(cloud)],
+        "HEIGHT": [1],
+        "VIEWPOINT": ["0.0 0.0 0.0 1.0 0.0 0.0 0.0"],
+        "POINTS": [len(cloud)],
+        "DATA": ["binary"],
+    }
+    with path.open("wb") as file:
+        file.writelines(f"{key} {' '.join(map(str, words))}\n".encode() for key, words in head.items())
+        table.tofile(file)
 
 
-def keep_rows(source: Path, target: Path, rows: Indices) -> None:
-    """The same header, encoding and values; an image-like cloud becomes a list of points.
+def keep_rows(source: Path, target: Path, rows: Indices) -> tuple[str, ...]:
+    """The same header, encoding and values; an image-like cloud becomes a list of points."""
+    file = _take_apart(source)
+    counts = {b"WIDTH": len(rows), b"HEIGHT": 1, b"POINTS": len(rows)}
+    head = [
+        re.sub(rb"(?<=\s)\d\S*", b"%d" % counts[_key(line)], line, count=1) if _key(line) in counts else line
+        for line in file.head
+    ]
+    encoding, body = file.encoding, b""
+    if encoding == b"ascii":
+        lines = _lines(file)
+        body = b"".join(lines[i] for i in rows)
+    else:
+        kept = _table(file)[rows]
+        body = kept.tobytes()
+        if encoding == b"binary_compressed":
+            whole = b"".join(np.ascontiguousarray(kept[key]).tobytes() for key in file.kind.names or ())
+            packed = lzf.compress(whole)
+            encoding = encoding if packed else b"binary"  # what cannot be made smaller
+            body = struct.pack("<II", len(packed), len(whole)) + packed if packed else body
+    target.write_bytes(b"".join(head) + b"DATA " + encoding + b"\n" + body)
+    width, height = file.shape
+    return (f"the grid of {width} x {height} points becomes a list",) if height > 1 else ()
 
-    Rows of text are the file's own: pypcd4 would cut their numbers to ten decimals.
-    """
-    file, head, size = _open(source), _head(source), b"%d" % len(rows)
-    counts = {b"WIDTH": size, b"HEIGHT": b"1", b"POINTS": size}
-    for i, line in enumerate(head):
-        key = _key(line)
-        if key in counts:
-            head[i] = re.sub(rb"\d\S*", counts[key], line, count=1)
-    text = file.metadata.data == Encoding.ASCII
-    body = _text_rows(source, head, rows) if text else _binary_rows(file, rows)
-    target.write_bytes(b"".join(head) + body)
 
-
-def _open(path: Path) -> PcdFile:
-    """The whole file.
+def _take_apart(path: Path) -> _File:
+    """The header, taken apart, and the body.
 
     Raises
     ------
-    ValueError
-        Another number of points than the header says, or more values a point than anyone stores, for
-        which pypcd4 would take all memory.
+    Damaged
+        Fields without a type, or more values a point than anyone stores.
     """
-    for line in _head(path):
-        if _key(line) == b"COUNT" and any(int(value) > _LARGEST_COUNT for value in line.split()[1:]):
-            raise ValueError(f"a field has more than {_LARGEST_COUNT} values a point")
-    file = PcdFile.from_path(path)
-    file.pc_data = np.atleast_1d(file.pc_data)
-    promised = max(file.metadata.points, file.metadata.width * file.metadata.height)
-    if len(file.pc_data) != promised:
-        raise ValueError(f"it promises {promised} points and holds {len(file.pc_data)}")
-    return file
-
-
-def _head(path: Path) -> list[bytes]:
-    """Lines of the header with its comments, without the last one, which names the encoding."""
-    lines: list[bytes] = []
-    with path.open("rb") as file:
-        for line in file:
-            if line.strip().startswith(b"DATA"):
-                return lines
-            lines.append(line)
-    raise ValueError("its header has no line DATA")
+    content = path.read_bytes()
+    end = re.search(rb"^[ \t]*DATA[ \t]+(\w+)[^\n]*\n", content[:_LONGEST_HEADER], re.MULTILINE)
+    if end is None:
+        raise Damaged(f"its header has no line DATA in the first {min(len(content), _LONGEST_HEADER)} bytes")
+    head = content[: end.start()].splitlines(keepends=True)
+    words = {_key(line): decoded(line).split()[1:] for line in head if line.strip()}
+    names = words.get(b"FIELDS") or words.get(b"COLUMNS") or []
+    sizes = _integers(words.get(b"SIZE") or ["4"] * len(names), "SIZE")
+    counts = _integers(words.get(b"COUNT") or ["1"] * len(names), "COUNT")
+    types = [t.upper() for t in words.get(b"TYPE") or ["F"] * len(names)]
+    lengths = [len(names), len(sizes), len(types), len(counts)]
+    if not names or len(set(lengths)) > 1:
+        raise Damaged("its header has {} fields, {} sizes, {} types and {} counts".format(*lengths))
+    if max(*counts, len(names)) > _LARGEST_COUNT:
+        raise Damaged(f"it has more than {_LARGEST_COUNT} fields, or values of one field")
+    used = [i for i, count in enumerate(counts) if count]
+    kinds = [f"{_KINDS.get(types[i], '?')}{sizes[i]}" for i in used]
+    if wrong := {kind for kind in kinds if kind not in HOLDS[".pcd"].types}:
+        raise Damaged(
+            f"its header has fields of a type and size that are not known: {' '.join(sorted(wrong))}"
+        )
+    kind = np.dtype(
+        [(f"f{i}", "<" + k, () if counts[i] == 1 else (counts[i],)) for i, k in zip(used, kinds, strict=True)]
+    )
+    (points,) = _integers(words.get(b"POINTS") or ["0"], "POINTS")
+    width, height = (_integers(words.get(key) or ["0"], key.decode())[0] for key in (b"WIDTH", b"HEIGHT"))
+    shape = (width, height) if width * height >= points else (points, 1)
+    return _File(head, end[1].lower(), kind, tuple(names[i] for i in used), shape, content[end.end() :])
 
 
 def _key(line: bytes) -> bytes:
     """What a line of the header is about."""
-    return line.strip().partition(b" ")[0].upper()
+    return (line.split(None, 1) or [b""])[0].upper()
 
 
-def _text_rows(path: Path, head: list[bytes], rows: Indices) -> bytes:
-    """The line of the encoding and those of some points."""
-    with path.open("rb") as file:
-        encoding, *lines = list(file)[len(head) :]
-    points = [line for line in lines if line.partition(b"#")[0].strip()]
-    return encoding + b"".join(points[i] for i in rows)
+def _integers(words: list[str], what: str) -> list[int]:
+    try:
+        values = [int(word) for word in words]
+    except ValueError:
+        values = [-1]
+    if min(values, default=-1) < 0:
+        raise Damaged(f"its header has the line {what} {' '.join(words)[:40]}")
+    return values
 
 
-def _binary_rows(file: PcdFile, rows: Indices) -> bytes:
-    """The line of the encoding and some points; what cannot be made smaller pypcd4 leaves uncompressed."""
-    out = BytesIO()
-    PcdFile(file.metadata.derive(points=len(rows)), file.pc_data[rows]).save(out, file.metadata.data)
-    return b"DATA " + out.getvalue().partition(b"\nDATA ")[2]
+def _lines(file: _File) -> list[bytes]:
+    """The lines of a body of text that are points."""
+    lines = [line for line in file.body.splitlines(keepends=True) if line.partition(b"#")[0].strip()]
+    if len(lines) != file.count:
+        raise Damaged(f"it promises {file.count} points and holds {len(lines)}")
+    return lines
 
 
-def _plain_type(dtype: np.dtype[Any]) -> np.dtype[Any]:
-    """The type of PCD that holds the values: this machine's byte order, no booleans, no half precision."""
-    if dtype.kind == "b":
-        return np.dtype(np.uint8)
-    return np.dtype(np.float32) if dtype == np.float16 else dtype.newbyteorder("=")
-
-
-def _unpacked(packed: NDArray[Any], with_alpha: bool) -> NDArray[np.float64]:
-    """Bytes alpha, red, green, blue of one word of 32 bits, as fractions."""
-    words = np.ascontiguousarray(packed).view(np.uint32)
-    channels = np.column_stack([words >> shift & 255 for shift in (16, 8, 0, 24)]) / 255.0
-    if not with_alpha:
-        channels[:, 3] = 1.0
-    return channels
-
-
-def _packed(colors: NDArray[np.float64]) -> NDArray[np.uint32]:
-    red, green, blue, alpha = np.rint(np.clip(colors, 0, 1) * 255).astype(np.uint32).T
-    return alpha << 24 | red << 16 | green << 8 | blue
+def _table(file: _File) -> NDArray[Any]:
+    """The points as records."""
+    size = file.count * file.kind.itemsize
+    if file.encoding == b"ascii":
+        return numbers(_lines(file), file.kind, comments="#")
+    if file.encoding == b"binary":
+        check_held("points", file.count, len(file.body) // file.kind.itemsize)
+        return np.frombuffer(file.body, file.kind, file.count)
+    if file.encoding != b"binary_compressed":
+        raise Damaged(f"its encoding {file.encoding[:40]!r} is not known")
+    check_held("bytes in its header of compression", 8, len(file.body))
+    packed, whole = struct.unpack_from("<II", file.body)
+    check_held("compressed bytes", packed, len(file.body) - 8)
+    if whole != size or whole > _LARGEST_RATIO * max(packed, 1):
+        raise Damaged(f"it promises {size} bytes of points and, of {packed} compressed bytes, {whole}")
+    content = lzf.decompress(file.body[8 : 8 + packed], whole)
+    table, at = np.empty(file.count, file.kind), 0
+    for key in file.kind.names or ():
+        part = file.kind[key]
+        table[key] = np.frombuffer(content or b"", part, file.count, at)
+        at += part.itemsize * file.count
+    return table

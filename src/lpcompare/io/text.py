@@ -1,26 +1,45 @@
-"""Rows of numbers: XYZ, PTS, TXT, ASC, CSV.
+"""Rows of numbers: XYZ, PTS, TXT, ASC, CSV, and the scans of PTX. Kept rows are the file's own bytes.
 
-Read here and not by MeshLab, which rounds some of these to single precision, leaves rows out and knows
-no further columns. Kept rows are the file's own bytes.
+What separates the columns, which line names them and which lines are points is decided once for a file, from
+its first row; the names decide which columns are coordinates.
 """
 
 from __future__ import annotations
 
+import csv
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from lpcompare.io.checks import checked_points
+from lpcompare.io.columns import AXES, COLORS, NUMBERS, Holds, cloud_of, columns_of, find_roles, free_name
+from lpcompare.io.rows import Damaged, decoded, numbers
 from lpcompare.types import Indices, PointCloud
 
-HOLDS = frozenset({"normals", "colors", "attributes"})
-
-_COMMENTS = (b"#", b"//")
+_SUFFIXES = (".asc", ".csv", ".pts", ".txt", ".xyz")
+_COMMENTS = (b"#", b"//", b"%")
 _BYTE_ORDER_MARK = b"\xef\xbb\xbf"
-_NUMBER = re.compile(rb"[+-]?(\d|\.\d|nan|inf)", re.IGNORECASE)
+_NUMBER = re.compile(rb"\"?\s*[+-]?(\d|\.\d|nan|inf)", re.IGNORECASE)
 _DECIMAL_COMMA = re.compile(rb"\d,\d+(\s+|;)[+-]?\d+,\d")
+_MISSING = frozenset(
+    ("", "na", "n/a", "nan", "-nan", "null", "none", "nan(ind)", "-nan(ind)", "1.#qnan", "-1.#ind")
+)
+_NO_COMMAS = "its numbers have decimal commas; export it with decimal points, or replace the commas by points"
+_LEICA = (*AXES, "intensity", *COLORS[:3])
+_LARGEST_DOUBLE = 2**53
+_PTX_HEADER, _PTX_MATRIX = 10, slice(6, 10)
+_MOST_SCANS = 10_000
+
+HOLDS = dict.fromkeys(
+    _SUFFIXES,
+    Holds(
+        types=NUMBERS, normals="f8", colors="f8", unfit=r"[\s,;\"'\x00-\x1f\x7f-\x9f\ud800-\udfff]+|^[#=+@%-]"
+    ),
+)
 
 
 @dataclass(frozen=True)
@@ -30,43 +49,36 @@ class _Table:
     lines: list[bytes]
     rows: list[int]
     names: list[str]
+    separator: str
     count_line: int | None
 
 
 def read(path: Path) -> PointCloud:
-    """The columns x, y and z, by name or the first three; every other column is an attribute."""
+    """The coordinates by name or, in a file without names, the first three columns; the others by name."""
+    if path.suffix.lower() == ".ptx":
+        return _read_ptx(path)
     table = _take_apart(path)
-    texts = [_separated(table.lines[i]) for i in table.rows]
-    values = np.loadtxt(texts, ndmin=2, comments=None, encoding="latin1")
-    names = _column_names(table.names, values.shape[1])
-    axes = [names.index(axis) for axis in "xyz"]
-    points = checked_points(values[:, axes], path.name)
-    attributes = {name: values[:, i] for i, name in enumerate(names) if i not in axes}
-    return PointCloud(points, attributes=attributes, name=path.stem)
+    columns = _columns([table.lines[i] for i in table.rows], table.separator)
+    if len(columns) < 3:
+        raise Damaged(f"its rows have {len(columns)} columns; x, y and z are needed")
+    leica = path.suffix.lower() == ".pts" and len(columns) == len(_LEICA)
+    first = _LEICA if leica else AXES
+    names = table.names or [*first, *(f"column_{i + 1}" for i in range(len(first), len(columns)))]
+    return cloud_of(_named(names, columns), path.stem)
 
 
 def write(path: Path, cloud: PointCloud) -> None:
     """One point a line with all its digits; a line of column names where there are more than x, y, z."""
-    columns = {axis: cloud.points[:, i] for i, axis in enumerate("xyz")}
-    if cloud.normals is not None:
-        columns |= {f"n{axis}": cloud.normals[:, i] for i, axis in enumerate("xyz")}
-    if cloud.colors is not None:
-        columns |= {c: cloud.colors[:, i] for i, c in enumerate(("red", "green", "blue", "alpha"))}
-    for name, values in cloud.attributes.items():
-        flat = values.reshape(len(cloud), -1)
-        flat = flat.astype(np.uint8) if flat.dtype.kind == "b" else flat  # "True" could not be read back
-        suffixes = [""] if flat.shape[1] == 1 else [f"_{i}" for i in range(flat.shape[1])]
-        columns |= {re.sub(r"[\s,;]+", "_", name) + s: c for s, c in zip(suffixes, flat.T, strict=True)}
+    columns = columns_of(cloud)
     separator = "," if path.suffix.lower() == ".csv" else " "
-    named = len(columns) > 3 or separator == ","
-    with path.open("w", encoding="utf-8") as file:
-        if named:
+    with path.open("w", encoding="utf-8", newline="\n") as file:
+        if len(columns) > 3 or separator == ",":
             file.write(("" if separator == "," else "# ") + separator.join(columns) + "\n")
         for row in zip(*(c.tolist() for c in columns.values()), strict=True):
             file.write(separator.join(map(repr, row)) + "\n")
 
 
-def keep_rows(source: Path, target: Path, rows: Indices) -> None:
+def keep_rows(source: Path, target: Path, rows: Indices) -> tuple[str, ...]:
     """The same lines without those of the other points; a line that counts the points counts anew."""
     table = _take_apart(source)
     dropped = set(table.rows) - {table.rows[i] for i in rows}
@@ -76,6 +88,7 @@ def keep_rows(source: Path, target: Path, rows: Indices) -> None:
                 file.write(re.sub(rb"\d\S*", str(len(rows)).encode(), line, count=1))
             elif i not in dropped:
                 file.write(line)
+    return ()
 
 
 def _take_apart(path: Path) -> _Table:
@@ -83,46 +96,172 @@ def _take_apart(path: Path) -> _Table:
 
     Raises
     ------
-    ValueError
-        Decimal commas, words between the numbers, or another number of rows than the file says.
+    Damaged
+        Decimal commas, words between the numbers, names that do not fit, or another number of rows than the
+        file says.
     """
     lines = path.read_bytes().splitlines(keepends=True)
-    rows, names, count_line = list[int](), b"", None
+    rows, comment, header, count_line, odd = list[int](), b"", b"", None, -1
     for i, line in enumerate(lines):
-        text = line.strip().removeprefix(_BYTE_ORDER_MARK)
+        text = line.strip() if i else line.removeprefix(_BYTE_ORDER_MARK).strip()
         if text.startswith(_COMMENTS):
-            names = text.lstrip(b"#/") if not rows else names
+            comment = comment if rows else text.lstrip(b"#/%")
         elif _NUMBER.match(text):
-            if rows or count_line is not None or len(_separated(text).split()) > 1:
+            if rows or count_line is not None or len(re.split(rb"[\s,;]+", text)) > 1:
                 rows.append(i)
             else:
                 count_line = i
-        elif text and any(other.strip() for other in lines[:i] if not other.startswith(_COMMENTS)):
-            raise ValueError(f"line {i + 1} is {text[:40]!r}, not numbers")
+        elif text and not rows and not header:
+            header = text
         elif text:
-            names = text
-    _check_rows(lines, rows, count_line)
-    return _Table(lines, rows, _separated(names).decode("utf-8", "replace").split(), count_line)
+            odd = odd if odd >= 0 else i
+            rows.append(i)
+    separator = _separator(lines[rows[0]]) if rows else " "
+    if not rows or (odd >= 0 and (not header or separator == " ")):
+        line = max(odd, 0)
+        begin = f", line {line + 1} is {lines[line].strip()[:40]!r}, not numbers" if lines else ""
+        raise Damaged(f"it has no rows of numbers{begin}" if odd < 0 else begin[2:])
+    _check_count(lines, rows, count_line)
+    names = _names(header or comment, bool(header), _cells(lines[rows[0]], separator), separator)
+    return _Table(lines, rows, names, separator, count_line)
 
 
-def _check_rows(lines: list[bytes], rows: list[int], count_line: int | None) -> None:
-    if not rows:
-        raise ValueError("it has no rows of numbers")
-    if _DECIMAL_COMMA.search(lines[rows[0]]):
-        raise ValueError("its numbers have decimal commas; replace them by points")
-    if count_line is not None and int(lines[count_line]) != len(rows):
-        raise ValueError(f"it promises {int(lines[count_line])} points and holds {len(rows)}")
+def _check_count(lines: list[bytes], rows: list[int], count_line: int | None) -> None:
+    try:
+        promised = len(rows) if count_line is None else int(lines[count_line].removeprefix(_BYTE_ORDER_MARK))
+    except ValueError:
+        raise Damaged(
+            f"its first line {lines[count_line or 0].strip()[:40]!r} is no number of points"
+        ) from None
+    if promised != len(rows):
+        raise Damaged(f"it promises {promised} points and holds {len(rows)}")
 
 
-def _separated(line: bytes) -> bytes:
-    return line.replace(b",", b" ").replace(b";", b" ")
+def _separator(row: bytes) -> str:
+    """What stands between the columns: ";", a tab, "," or " ", which means white space and all of these.
+
+    Raises
+    ------
+    Damaged
+        The numbers have decimal commas.
+    """
+    marks = [mark for mark in (";", "\t", ",") if mark.encode() in row]
+    plain = re.sub(rb"\"[^\"]*\"", b"0", row)
+    for mark in marks:
+        cells = [cell.strip() for cell in plain.split(mark.encode())]
+        if len(cells) > 2 and not any(len(cell.split()) > 1 for cell in cells):
+            if mark != "," and b"," in plain:
+                raise Damaged(_NO_COMMAS)
+            return mark
+    if _DECIMAL_COMMA.search(plain):
+        raise Damaged(_NO_COMMAS)
+    return " "
 
 
-def _column_names(header: list[str], width: int) -> list[str]:
-    """The header's names if they fit and name the axes, else x, y, z, column_4, ..."""
-    names = [name.strip("\"'").lower() for name in header]
-    if len(names) == width and {"x", "y", "z"} <= set(names) and len(set(names)) == width:
-        return names
-    if width < 3:
-        raise ValueError(f"its rows have {width} columns; x, y and z are needed")
-    return ["x", "y", "z", *(f"column_{i}" for i in range(4, width + 1))]
+def _cells(line: bytes, separator: str) -> list[str]:
+    """The columns of a line, without their quotes."""
+    text = decoded(line.removeprefix(_BYTE_ORDER_MARK)).strip("\r\n")
+    if separator == " ":
+        text = re.sub(r"[\s,;]+", " ", text).strip()
+    return [cell.strip() for cell in next(csv.reader([text], delimiter=separator, skipinitialspace=True), [])]
+
+
+def _names(header: bytes, bare: bool, row: list[str], separator: str) -> list[str]:
+    """The columns' names, or none; those of a comment count only where they are as many and name the axes."""
+    fitting, names = list[str](), list[str]()
+    for mark in dict.fromkeys((separator, ",", ";", "\t", " ")) if header else ():
+        names = _cells(header, mark)
+        if len(names) == len(row) + 1 and not names[-1]:
+            names = names[:-1]
+        if bare and len(names) == len(row) - 1 and "points" in find_roles(names):
+            names = (
+                [*names, ""] if not row[-1] else ["", *names]
+            )  # a separator behind the row, or its number before
+        if len(names) == len(row):
+            fitting = names
+            break
+    if bare and not fitting:
+        raise Damaged(f"its line of names {header[:40]!r} does not fit its rows of {len(row)} columns")
+    return fitting if bare or "points" in find_roles(fitting) else []
+
+
+def _named(names: list[str], columns: list[NDArray[Any]]) -> dict[str, NDArray[Any]]:
+    """The columns by name; one without a name and values is none, a name that comes again is numbered."""
+    named: dict[str, NDArray[Any]] = {}
+    for i, (name, column) in enumerate(zip(names, columns, strict=True), start=1):
+        if name or column.dtype.kind != "f" or not np.isnan(column).all():
+            named[free_name(name or f"column_{i}", named)] = column
+    return named
+
+
+def _columns(lines: list[bytes], separator: str) -> list[NDArray[Any]]:
+    """Each column as numbers, or as words where it is not made of numbers; an empty cell is NaN."""
+    if separator == " ":
+        lines = [line.replace(b",", b" ").replace(b";", b" ") for line in lines]
+    try:
+        table = numbers(lines, separator=None if separator == " " else separator, quotechar='"')
+    except Damaged:
+        table = None
+    with np.errstate(invalid="ignore"):
+        if table is not None and not (np.abs(table) > _LARGEST_DOUBLE).any():
+            return list(table.T)
+    rows = [_cells(line, separator) for line in lines]
+    wrong = next((i for i, row in enumerate(rows) if len(row) != len(rows[0])), None)
+    if wrong is not None:
+        raise Damaged(
+            f"the row {lines[wrong].strip()[:40]!r} has {len(rows[wrong])} columns, not {len(rows[0])}"
+        )
+    return [_column(words) for words in zip(*rows, strict=True)]
+
+
+def _column(words: Sequence[str]) -> NDArray[Any]:
+    """Whole numbers that a double would round as integers, other numbers as doubles, else words."""
+    try:
+        column = np.array(["nan" if w.lower() in _MISSING else w for w in words]).astype(np.float64)
+    except ValueError:
+        if any(re.fullmatch(r"[+-]?\d+,\d+", word) for word in words):
+            raise Damaged(_NO_COMMAS) from None
+        return np.array(words)
+    if np.abs(column).max(initial=0) > _LARGEST_DOUBLE and all(re.fullmatch(r"[+-]?\d+", w) for w in words):
+        whole = np.array([int(word) for word in words])
+        return whole if whole.dtype.kind in "iu" else column
+    return column
+
+
+def _read_ptx(path: Path) -> PointCloud:
+    """Every scan moved to its place, with intensity and colours; a ray without an echo ('0 0 0') is NaN."""
+    lines = [line for line in path.read_bytes().splitlines() if line.strip()]
+    scans, start = list[NDArray[np.float64]](), 0
+    while start < len(lines):
+        scans.append(_scan(lines, start))
+        start += _PTX_HEADER + len(scans[-1])
+        if len(scans) > _MOST_SCANS:
+            raise Damaged(f"it has more than {_MOST_SCANS} scans")
+    width = max((scan.shape[1] for scan in scans), default=3)
+    table = np.concatenate(
+        [np.pad(s, ((0, 0), (0, width - s.shape[1])), constant_values=np.nan) for s in scans]
+        or [np.empty((0, 3))]
+    )
+    return cloud_of(dict(zip(_LEICA, table.T, strict=False)), path.stem)
+
+
+def _scan(lines: list[bytes], start: int) -> NDArray[np.float64]:
+    """Rows 'x y z intensity red green blue' of a scan, in place.
+
+    Two numbers say how many rows there are; the pose follows in four lines, and again as a matrix whose last
+    row is the shift.
+    """
+    head = lines[start : start + _PTX_HEADER]
+    if len(head) < _PTX_HEADER:
+        raise Damaged(f"a scan ends in its header, after {len(head)} of {_PTX_HEADER} lines")
+    (columns,), (rows,) = numbers(head[:2], np.int64)
+    promised, held = int(columns) * int(rows), len(lines) - start - _PTX_HEADER
+    if min(columns, rows) < 1 or promised > held:
+        raise Damaged(f"a scan promises {columns} x {rows} points and there are {held} lines")
+    matrix = numbers(head[_PTX_MATRIX])
+    table = numbers(lines[start + _PTX_HEADER : start + _PTX_HEADER + promised])
+    if matrix.shape != (4, 4) or table.shape[1] not in (3, 4, 7):
+        raise Damaged(f"a scan has a matrix of shape {matrix.shape} and {table.shape[1]} columns")
+    table[~table[:, :3].any(axis=1), :3] = np.nan
+    table[:, :3] = table[:, :3] @ matrix[:3, :3] + matrix[3, :3]
+    return table

@@ -17,7 +17,7 @@ from threading import Lock
 from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
 
-from lpcompare.io.formats import beside
+from lpcompare.files import whole_file
 from lpcompare.mesh_library import pymeshlab
 from lpcompare.meshlab.layers import ATTRIBUTE_NAMES
 
@@ -68,7 +68,7 @@ def save_filter_script(layers: Any, path: str | Path) -> None:
     path : str or path
         The .mlx file. MeshLab itself reads it too if it holds no filter of lpcompare.
     """
-    with beside(Path(path)) as part:
+    with whole_file(Path(path)) as part:
         part.write_bytes(_document(_mixed(layers)))
 
 

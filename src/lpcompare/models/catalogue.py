@@ -12,7 +12,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from lpcompare.errors import ModelDataError, UnknownName
-from lpcompare.io import read_point_cloud
+from lpcompare.io import read
 from lpcompare.types import PointCloud
 
 
@@ -101,7 +101,7 @@ def load_model(name_or_path: str) -> PointCloud:
         return points_of(name_or_path, catalogue()[name_or_path])
     path = Path(name_or_path)
     if path.suffix or path.name != name_or_path or path.exists():
-        return read_point_cloud(path)
+        return read(path)
     return points_of(name_or_path, _known(name_or_path))
 
 
@@ -111,7 +111,7 @@ def points_of(name: str, model: Model, cache_folder: Path | None = None) -> Poin
         from lpcompare.models import synthetic
 
         return getattr(synthetic, model.made_by)()
-    return replace(read_point_cloud(_file_of(model, cache_folder)), name=name)
+    return replace(read(_file_of(model, cache_folder)), name=name)
 
 
 def _known(name: str) -> Model:

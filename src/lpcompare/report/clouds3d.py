@@ -15,7 +15,7 @@ from lpcompare.benchmark.record import Run
 from lpcompare.errors import InputError
 from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.geometry.scale import bounding_box_diagonal
-from lpcompare.io.clouds import load_arrays
+from lpcompare.io.arrays import load_arrays
 from lpcompare.report.cells import Cell, distinct
 from lpcompare.report.columns import ERROR
 from lpcompare.report.packing import pack, pack_mask, pack_points, pack_values

@@ -19,7 +19,7 @@ from lpcompare.errors import InputError
 from lpcompare.files import replace_text
 from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.geometry.scale import bounding_box_diagonal
-from lpcompare.io.clouds import load_arrays
+from lpcompare.io.arrays import load_arrays
 from lpcompare.mesh_library import pymeshlab
 from lpcompare.report.cells import Cell, distinct, gather_cells
 from lpcompare.report.clouds3d import has_cloud, input_files

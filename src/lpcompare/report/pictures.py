@@ -9,7 +9,7 @@ import numpy as np
 
 from lpcompare.benchmark.record import Run
 from lpcompare.geometry.scale import bounding_box_diagonal
-from lpcompare.io.clouds import load_arrays
+from lpcompare.io.arrays import load_arrays
 from lpcompare.report.cells import Cell
 from lpcompare.report.clouds3d import input_files
 from lpcompare.report.columns import ERROR

@@ -128,8 +128,8 @@ def test_a_count_that_cannot_be_is_refused(name, target):
 @pytest.mark.shared
 @pytest.mark.parametrize("name", RIVALS)
 def test_a_scan_without_faces(name, shared_models):
-    from lpcompare.io import read_point_cloud
+    from lpcompare.io import read
 
-    cloud = read_point_cloud(shared_models / "scans" / "lidar-room-56159.ply")
+    cloud = read(shared_models / "scans" / "lidar-room-56159.ply")
     result = expect_good(name, cloud, 5615, within=60)
     assert (result is None) == METHODS.traits(name).needs_mesh

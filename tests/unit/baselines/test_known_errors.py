@@ -24,9 +24,9 @@ ERRORS = {
 
 @pytest.fixture(scope="module")
 def bunny(shared_models):
-    from lpcompare.io import read_point_cloud
+    from lpcompare.io import read
 
-    return read_point_cloud(shared_models / "upstream" / "stanford-bunny.obj")
+    return read(shared_models / "upstream" / "stanford-bunny.obj")
 
 
 @pytest.mark.parametrize("name", ERRORS)

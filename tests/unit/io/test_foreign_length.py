@@ -5,7 +5,7 @@ import struct
 import numpy as np
 import pytest
 
-from lpcompare.io.foreign_length import check_length
+from lpcompare.io.foreign import check_length
 
 N = 12
 

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from lpcompare.errors import InputError
-from lpcompare.io import keep_rows, read_point_cloud, write_point_cloud
-from lpcompare.io.checks import checked_points
+from lpcompare.io import keep_rows, read, write
 from lpcompare.types import PointCloud
 
 FORMATS = [".ply", ".obj", ".off", ".xyz", ".csv", ".npy", ".npz", ".pcd", ".las", ".laz"]
@@ -28,7 +27,7 @@ def cloud():
 
 def refused(path):
     with pytest.raises(InputError) as caught:
-        read_point_cloud(path)
+        read(path)
     sentence = str(caught.value)
     assert "\n" not in sentence
     assert sentence.endswith((".", "?"))
@@ -51,7 +50,7 @@ def test_missing_and_empty_files_and_folders(suffix, tmp_path):
 @pytest.mark.parametrize("share", [0.05, 0.5, 0.97])
 def test_truncated_files(suffix, share, cloud, tmp_path):
     path = tmp_path / f"a{suffix}"
-    write_point_cloud(path, cloud)
+    write(path, cloud)
     content = path.read_bytes()
     path.write_bytes(content[: int(len(content) * share)])
     refused(path)
@@ -61,7 +60,7 @@ def test_ascii_ply_and_counted_text_that_are_too_short(tmp_path):
     axes = "".join(f"property float {axis}\n" for axis in "xyz")
     head = f"ply\nformat ascii 1.0\nelement vertex 3\n{axes}end_header\n"
     (tmp_path / "a.ply").write_text(head + "0 0 0\n1 1 1\n")
-    assert "early end-of-file" in refused(tmp_path / "a.ply")
+    assert "it promises 3 rows of 'vertex' and holds 2" in refused(tmp_path / "a.ply")
     (tmp_path / "a.pts").write_text("3\n0 0 0\n1 1 1\n")
     assert "promises 3 points and holds 2" in refused(tmp_path / "a.pts")
     (tmp_path / "a.off").write_text("OFF\n3 1 0\n0 0 0\n1 1 1\n2 2 2\n")
@@ -74,32 +73,41 @@ def test_mislabelled_files(suffix, other, cloud, tmp_path):
     same_family = {suffix, other} in ({".npy", ".npz"}, {".las", ".laz"})
     if suffix == other or same_family:
         return
-    write_point_cloud(tmp_path / f"a{other}", cloud)
+    write(tmp_path / f"a{other}", cloud)
     shutil.copy(tmp_path / f"a{other}", tmp_path / f"b{suffix}")
     refused(tmp_path / f"b{suffix}")
 
 
 @pytest.mark.parametrize("suffix", [".ply", ".obj", ".off", ".xyz", ".csv", ".npy", ".npz", ".pcd"])
-def test_rows_that_are_not_finite_are_named(suffix, cloud, tmp_path):
+def test_rows_that_are_not_finite_are_kept_or_left_out_as_asked(suffix, cloud, tmp_path):
     points = cloud.points.copy()
     points[[4, 17], 1] = np.nan, np.inf
-    write_point_cloud(tmp_path / f"a{suffix}", PointCloud(points))
-    assert "2 of 300 points (rows 4, 17, counted from 0)" in refused(tmp_path / f"a{suffix}")
+    assert write(tmp_path / f"a{suffix}", PointCloud(points)) == ()
+    assert np.array_equal(read(tmp_path / f"a{suffix}").points, points, equal_nan=True)
+    kept = read(tmp_path / f"a{suffix}", drop_invalid=True)
+    assert np.array_equal(kept.points, np.delete(points, [4, 17], axis=0))
+
+
+@pytest.mark.parametrize("suffix", [".las", ".laz"])
+def test_las_refuses_coordinates_that_are_no_numbers(suffix, tmp_path):
+    with pytest.raises(InputError, match="NaN or infinite, which LAS cannot hold"):
+        write(tmp_path / f"a{suffix}", PointCloud(np.array([[0, 0, np.nan]])))
+    assert not any(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize("suffix", FORMATS)
 def test_one_point_is_a_cloud(suffix, tmp_path):
-    write_point_cloud(tmp_path / f"a{suffix}", PointCloud(np.array([[1.0, 2.0, 3.0]])))
-    assert read_point_cloud(tmp_path / f"a{suffix}").points.tolist() == [[1, 2, 3]]
+    write(tmp_path / f"a{suffix}", PointCloud(np.array([[1.0, 2.0, 3.0]])))
+    assert read(tmp_path / f"a{suffix}").points.tolist() == [[1, 2, 3]]
     keep_rows(tmp_path / f"a{suffix}", tmp_path / f"b{suffix}", np.array([0]))
-    assert len(read_point_cloud(tmp_path / f"b{suffix}")) == 1
+    assert len(read(tmp_path / f"b{suffix}")) == 1
 
 
 def test_unknown_endings_are_answered_with_the_known_ones(cloud, tmp_path):
     (tmp_path / "a.docx").write_text("x")
     assert ".ply" in refused(tmp_path / "a.docx")
     with pytest.raises(InputError, match="cannot be written"):
-        write_point_cloud(tmp_path / "a.stl", cloud)
+        write(tmp_path / "a.stl", cloud)
 
 
 def test_decimal_commas_are_not_taken_for_separators(tmp_path):
@@ -110,19 +118,19 @@ def test_decimal_commas_are_not_taken_for_separators(tmp_path):
 
 
 @pytest.mark.parametrize("suffix", [".ply", ".pcd", ".laz", ".csv"])
-@pytest.mark.parametrize("values", [np.array(["a", "b"]), np.array([1j, 2j])])
-def test_attributes_that_are_no_real_numbers(suffix, values, tmp_path):
-    spoilt = PointCloud(np.eye(3)[:2], attributes={"kind": values})
-    with pytest.raises(InputError, match=r"cannot hold the attribute 'kind' of type .*write to \.npz"):
-        write_point_cloud(tmp_path / f"a{suffix}", spoilt)
-    assert not any(tmp_path.iterdir())
+@pytest.mark.parametrize("values", [np.array(["a", "b"]), np.array([1j, 2j]), np.array([[1], []], object)])
+def test_attributes_that_are_no_real_numbers_are_left_out_and_named(suffix, values, tmp_path):
+    cloud = PointCloud(np.eye(3)[:2], attributes={"kind": values})
+    (note,) = write(tmp_path / f"a{suffix}", cloud)
+    assert note.startswith("attribute 'kind' is left out")
+    assert "kind" not in read(tmp_path / f"a{suffix}").attributes
 
 
 @pytest.mark.parametrize("name", ["vertex", "face"])
 def test_a_ply_that_promises_billions_of_rows(name, tmp_path):
     """Its reader would make room for them first, and then look for them."""
     mesh = PointCloud(np.eye(3), faces=np.array([[0, 1, 2]]))
-    write_point_cloud(tmp_path / "a.ply", mesh)
+    write(tmp_path / "a.ply", mesh)
     content = (tmp_path / "a.ply").read_bytes()
     count = {"vertex": b"vertex 3", "face": b"face 1"}[name]
     (tmp_path / "a.ply").write_bytes(content.replace(count, count[:-1] + b"1000000000"))
@@ -138,49 +146,35 @@ def test_faces_that_name_no_point(tmp_path):
 
 def test_a_pcd_with_more_values_a_point_than_anyone_stores(tmp_path):
     """Its reader would name every one of them, until the memory is full."""
-    write_point_cloud(tmp_path / "a.pcd", PointCloud(np.zeros((2, 3)), attributes={"t": np.zeros(2)}))
+    write(tmp_path / "a.pcd", PointCloud(np.zeros((2, 3)), attributes={"t": np.zeros(2)}))
     content = (tmp_path / "a.pcd").read_bytes()
     (tmp_path / "a.pcd").write_bytes(content.replace(b"COUNT 1 1 1 1", b"COUNT 1 1 1 9999999999"))
-    assert "more than 9999 values a point" in refused(tmp_path / "a.pcd")
+    assert "it has more than 9999 fields, or values of one field" in refused(tmp_path / "a.pcd")
 
 
 def test_nothing_is_left_of_a_failed_write(cloud, tmp_path):
     with pytest.raises(InputError, match="does not exist"):
-        write_point_cloud(tmp_path / "nowhere" / "a.ply", cloud)
+        write(tmp_path / "nowhere" / "a.ply", cloud)
     os.mkfifo(tmp_path / "pipe.ply")
     with pytest.raises(InputError, match="not a file"):
-        write_point_cloud(tmp_path / "pipe.ply", cloud)
+        write(tmp_path / "pipe.ply", cloud)
     (tmp_path / "pipe.ply").unlink()
-    (tmp_path / "a.ply").write_text("precious")
-    with pytest.raises(InputError, match="cannot hold the attribute 'x'"):
-        write_point_cloud(tmp_path / "a.ply", PointCloud(cloud.points, attributes={"x": np.array(["text"])}))
+    (tmp_path / "a.las").write_text("precious")
+    with pytest.raises(InputError, match="cannot be written: coordinates are NaN"):
+        write(tmp_path / "a.las", PointCloud(np.full((2, 3), np.nan)))
     assert [p.read_text() for p in tmp_path.iterdir()] == ["precious"]
-
-
-@pytest.mark.parametrize(
-    ("values", "reason"),
-    [
-        (np.zeros((3, 2)), r"shape \(3, 2\)"),
-        (np.zeros((0, 3)), "no points"),
-        (np.array([["a", "b", "c"]]), "real numbers"),
-        (np.full((1, 3), np.nan), "1 of 1 points"),
-    ],
-)
-def test_points_are_checked_where_they_enter(values, reason):
-    with pytest.raises(InputError, match=reason):
-        checked_points(values, "the argument")
 
 
 @pytest.mark.parametrize("suffix", FORMATS)
 def test_damaged_files_are_read_or_refused(suffix, cloud, tmp_path):
     """Seeded mutations, few of those that cost a child process."""
     path = tmp_path / f"a{suffix}"
-    write_point_cloud(path, PointCloud(cloud.points[:40], colors=cloud.colors[:40]))
+    write(path, PointCloud(cloud.points[:40], colors=cloud.colors[:40]))
     content, chance, sentences = path.read_bytes(), random.Random(5), []
     for _ in range(4 if suffix in (".las", ".laz") else 150):
         path.write_bytes(mutated(content, chance))
         try:
-            assert np.isfinite(read_point_cloud(path).points).all()
+            assert read(path).points.shape[1] == 3
         except InputError as error:
             sentences.append(str(error))
     assert not any("\n" in sentence for sentence in sentences)
@@ -210,7 +204,7 @@ def test_half_of_a_file_of_meshlab_is_refused(suffix, cloud, tmp_path):
     layers.add_mesh(pymeshlab.Mesh(cloud.points, np.arange(300).reshape(100, 3)))
     path = tmp_path / f"a{suffix}"
     layers.save_current_mesh(str(path))
-    assert len(read_point_cloud(path)) == 300
+    assert len(read(path)) == 300
     path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
     refused(path)
 
@@ -236,9 +230,9 @@ def test_a_file_that_is_no_array_is_not_taken_for_a_pickle(tmp_path):
 def test_rows_of_several_widths_stay_readable_when_the_first_ones_go(tmp_path):
     colored = "".join(f"v {i} 0 0 0.1 0.2 0.3\n" for i in range(3))
     (tmp_path / "a.obj").write_text(f"v 9 9 9\n{colored}v 5 5 5\n")
-    before = read_point_cloud(tmp_path / "a.obj")
+    before = read(tmp_path / "a.obj")
     keep_rows(tmp_path / "a.obj", tmp_path / "b.obj", np.array([1, 4]))
-    assert np.array_equal(read_point_cloud(tmp_path / "b.obj").points, before.points[[1, 4]])
+    assert np.array_equal(read(tmp_path / "b.obj").points, before.points[[1, 4]])
 
 
 @pytest.mark.parametrize(
@@ -255,4 +249,4 @@ def test_rows_of_several_widths_stay_readable_when_the_first_ones_go(tmp_path):
 def test_counts_as_python_reads_them_are_counted_anew(name, text, tmp_path):
     (tmp_path / name).write_text(text)
     keep_rows(tmp_path / name, tmp_path / f"b{name}", np.array([1, 2]))
-    assert len(read_point_cloud(tmp_path / f"b{name}")) == 2
+    assert len(read(tmp_path / f"b{name}")) == 2

@@ -10,7 +10,7 @@ import pytest
 from plyfile import PlyData, PlyElement
 
 from lpcompare.errors import InputError
-from lpcompare.io import keep_rows, left_out, read_point_cloud, write_point_cloud
+from lpcompare.io import keep_rows, read, write
 from lpcompare.types import PointCloud
 
 N = 200
@@ -38,25 +38,29 @@ def cloud(rng):
 
 @pytest.mark.parametrize("suffix", [".ply", ".obj", ".off", ".xyz", ".txt", ".csv", ".npy", ".npz", ".pcd"])
 def test_coordinates_survive_to_the_last_bit(suffix, cloud, tmp_path):
-    write_point_cloud(tmp_path / f"cloud{suffix}", cloud)
-    assert np.array_equal(read_point_cloud(tmp_path / f"cloud{suffix}").points, cloud.points)
+    write(tmp_path / f"cloud{suffix}", cloud)
+    assert np.array_equal(read(tmp_path / f"cloud{suffix}").points, cloud.points)
 
 
 @pytest.mark.parametrize("suffix", [".ply", ".obj", ".off", ".npz"])
 def test_faces_survive(suffix, cloud, tmp_path):
-    write_point_cloud(tmp_path / f"cloud{suffix}", cloud)
-    assert np.array_equal(read_point_cloud(tmp_path / f"cloud{suffix}").faces, cloud.faces)
+    write(tmp_path / f"cloud{suffix}", cloud)
+    assert np.array_equal(read(tmp_path / f"cloud{suffix}").faces, cloud.faces)
 
 
-def test_an_npy_says_that_it_holds_coordinates_and_unnamed_columns_only(cloud):
-    assert left_out("a.npy", cloud) == ("normals", "colors", "attributes", "faces")
-    assert left_out("a.npy", PointCloud(cloud.points, attributes={"columns": np.ones((N, 2))})) == ()
+def test_an_npy_says_that_it_holds_coordinates_and_unnamed_columns_only(cloud, tmp_path):
+    assert write(tmp_path / "a.npy", cloud) == (
+        ".npy holds no normals and no colors and no faces",
+        "attribute 'intensity' is left out, .npy holds only columns",
+        "attribute 'height' is left out, .npy holds only columns",
+    )
+    assert write(tmp_path / "a.npy", PointCloud(cloud.points, attributes={"columns": np.ones((N, 2))})) == ()
 
 
 @pytest.mark.parametrize("suffix", [".ply", ".npz", ".pcd", ".txt", ".csv", ".las"])
 def test_attributes_survive(suffix, cloud, tmp_path):
-    write_point_cloud(tmp_path / f"cloud{suffix}", cloud)
-    again = read_point_cloud(tmp_path / f"cloud{suffix}")
+    write(tmp_path / f"cloud{suffix}", cloud)
+    again = read(tmp_path / f"cloud{suffix}")
     for name, values in cloud.attributes.items():
         assert np.array_equal(again.attributes[name], values), name
 
@@ -65,27 +69,27 @@ def test_attributes_survive(suffix, cloud, tmp_path):
 @pytest.mark.parametrize("kind", [">f4", ">i4", "<u2", "?"])
 def test_attributes_of_every_byte_order_survive(suffix, kind, tmp_path):
     values = np.array([0, 1, 1], dtype=kind)
-    write_point_cloud(tmp_path / f"a{suffix}", PointCloud(np.eye(3), attributes={"v": values}))
-    assert np.array_equal(read_point_cloud(tmp_path / f"a{suffix}").attributes["v"], values)
+    write(tmp_path / f"a{suffix}", PointCloud(np.eye(3), attributes={"v": values}))
+    assert np.array_equal(read(tmp_path / f"a{suffix}").attributes["v"], values)
 
 
 @pytest.mark.parametrize("suffix", [".ply", ".npz", ".pcd", ".las", ".obj", ".off"])
 def test_colours_survive(suffix, cloud, tmp_path):
-    write_point_cloud(tmp_path / f"cloud{suffix}", cloud)
-    again = read_point_cloud(tmp_path / f"cloud{suffix}").colors
+    write(tmp_path / f"cloud{suffix}", cloud)
+    again = read(tmp_path / f"cloud{suffix}").colors
     alpha = slice(None) if suffix in (".ply", ".npz", ".pcd", ".off") else slice(3)
     assert np.allclose(again[:, alpha], cloud.colors[:, alpha], rtol=0, atol=1e-5)
 
 
 @pytest.mark.parametrize("suffix", [".ply", ".npz", ".pcd", ".obj"])
 def test_normals_survive(suffix, cloud, tmp_path):
-    write_point_cloud(tmp_path / f"cloud{suffix}", cloud)
-    assert np.allclose(read_point_cloud(tmp_path / f"cloud{suffix}").normals, cloud.normals, atol=1e-7)
+    write(tmp_path / f"cloud{suffix}", cloud)
+    assert np.allclose(read(tmp_path / f"cloud{suffix}").normals, cloud.normals, atol=1e-7)
 
 
 def test_las_of_a_bare_cloud_is_as_fine_as_its_integers_allow(cloud, tmp_path):
-    write_point_cloud(tmp_path / "cloud.laz", cloud)
-    again = read_point_cloud(tmp_path / "cloud.laz").points
+    write(tmp_path / "cloud.laz", cloud)
+    again = read(tmp_path / "cloud.laz").points
     assert np.abs(again - cloud.points).max() <= np.ptp(cloud.points, axis=0).max() * 10 / 2**31
 
 
@@ -94,9 +98,9 @@ def test_las_of_a_bare_cloud_is_as_fine_as_its_integers_allow(cloud, tmp_path):
 )
 def test_kept_rows_equal_the_rows_of_the_file(suffix, cloud, tmp_path):
     source, target = tmp_path / f"cloud{suffix}", tmp_path / f"kept{suffix}"
-    write_point_cloud(source, cloud)
+    write(source, cloud)
     keep_rows(source, target, ROWS)
-    before, after = read_point_cloud(source), read_point_cloud(target)
+    before, after = read(source), read(target)
     assert np.array_equal(after.points, before.points[ROWS])
     for field in ("normals", "colors"):
         whole = getattr(before, field)
@@ -130,9 +134,10 @@ def test_ply_keeps_types_lists_comments_and_further_elements(text, order, rng, t
     assert text or kept.byte_order == order
     assert [e.name for e in kept.elements] == ["vertex", "camera"]
     assert kept["vertex"].comments == ["of the vertices"]
+    vertex = PlyData.read(str(tmp_path / "a.ply"))["vertex"]  # plyfile does not swap scalars beside a list
     for name in ("x", "y", "z", "label", "t"):
         assert np.array_equal(kept["vertex"][name], vertex[name][ROWS])
-        assert kept["vertex"][name].dtype.newbyteorder("=") == vertex[name].dtype
+        assert kept["vertex"][name].dtype == vertex[name].dtype
     assert all(
         np.array_equal(a, b) for a, b in zip(kept["vertex"]["near"], vertex["near"][ROWS], strict=True)
     )
@@ -198,7 +203,7 @@ def test_pcd_keeps_values_comments_packed_colour_encoding_and_viewpoint(encoding
     assert kept.startswith(head + f"DATA {encoding.value}\n".encode())
     if encoding != pypcd4.Encoding.BINARY_COMPRESSED:
         assert kept[len(head) :] == pcd_body(encoding, table[ROWS])
-    before, after = read_point_cloud(tmp_path / "a.pcd"), read_point_cloud(tmp_path / "b.pcd")
+    before, after = read(tmp_path / "a.pcd"), read(tmp_path / "b.pcd")
     assert np.array_equal(before.points, np.column_stack([table[f"f{i}"] for i in range(3)]))
     assert np.array_equal(before.colors[:, 2], (table["f3"].view(np.uint32) & 255) / 255)
     assert np.array_equal(after.points, before.points[ROWS])
@@ -228,7 +233,7 @@ def test_text_keeps_its_lines_byte_for_byte(tmp_path):
 
 def test_csv_finds_its_axes_by_name(tmp_path):
     (tmp_path / "a.csv").write_text("id,Y,X,Z\n7,2,1,3\n8,5,4,6\n")
-    cloud = read_point_cloud(tmp_path / "a.csv")
+    cloud = read(tmp_path / "a.csv")
     assert cloud.points.tolist() == [[1, 2, 3], [4, 5, 6]]
     assert cloud.attributes["id"].tolist() == [7, 8]
 
@@ -238,25 +243,25 @@ def test_obj_keeps_lines_with_colours_and_normals(tmp_path):
     (tmp_path / "a.obj").write_text(f"# made by hand\nmtllib a.mtl\n{vertices}f 1//1 2//2 1//1\n")
     keep_rows(tmp_path / "a.obj", tmp_path / "b.obj", np.array([0]))
     assert (tmp_path / "b.obj").read_text() == "# made by hand\nvn 0 0 1\nv 0 0 0 0.1234567 0 1\n"
-    assert read_point_cloud(tmp_path / "b.obj").colors.tolist() == [[0.1234567, 0, 1, 1]]
+    assert read(tmp_path / "b.obj").colors.tolist() == [[0.1234567, 0, 1, 1]]
 
 
 def test_obj_corners_may_count_backwards_and_have_many_sides(tmp_path):
     (tmp_path / "a.obj").write_text(
         "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf -4 -3 -2 -1\nv 9 9 9\nf 1/2/3 2 3\n"
     )
-    assert read_point_cloud(tmp_path / "a.obj").faces.tolist() == [[0, 1, 2], [0, 2, 3], [0, 1, 2]]
+    assert read(tmp_path / "a.obj").faces.tolist() == [[0, 1, 2], [0, 2, 3], [0, 1, 2]]
 
 
 def test_a_file_in_place_of_itself(cloud, tmp_path):
-    write_point_cloud(tmp_path / "a.ply", cloud)
+    write(tmp_path / "a.ply", cloud)
     keep_rows(tmp_path / "a.ply", tmp_path / "a.ply", ROWS)
-    assert np.array_equal(read_point_cloud(tmp_path / "a.ply").points, cloud.points[ROWS])
+    assert np.array_equal(read(tmp_path / "a.ply").points, cloud.points[ROWS])
     assert [p.name for p in tmp_path.iterdir()] == ["a.ply"]
 
 
 def test_rows_of_one_format_do_not_become_another(cloud, tmp_path):
-    write_point_cloud(tmp_path / "a.ply", cloud)
+    write(tmp_path / "a.ply", cloud)
     with pytest.raises(InputError, match="not of one format"):
         keep_rows(tmp_path / "a.ply", tmp_path / "a.npz", ROWS)
 
@@ -267,7 +272,7 @@ def test_formats_of_meshlab_are_read_through_it(cloud, tmp_path):
     layers.add_mesh(pymeshlab.Mesh(cloud.points - UTM, cloud.faces))
     for suffix in (".stl", ".x3d", ".dae", ".3ds"):
         layers.save_current_mesh(str(tmp_path / f"a{suffix}"))
-        again = read_point_cloud(tmp_path / f"a{suffix}")
+        again = read(tmp_path / f"a{suffix}")
         assert again.faces.shape == (50, 3)
         corners = (cloud.points - UTM)[cloud.faces]
         assert np.allclose(again.points[again.faces], corners, atol=1e-5)
@@ -276,7 +281,7 @@ def test_formats_of_meshlab_are_read_through_it(cloud, tmp_path):
 @pytest.mark.parametrize(
     ("text", "names"),
     [
-        ("//X Y Z R G B\n1 2 3 4 5 6\n", {"r", "g", "b"}),
+        ("//X Y Z R G B\n1 2 3 4 5 6\n", set()),
         ("\ufeffx;y;z\n1;2;3\n", set()),
         ("# a scan\n# of a room\n1, 2, 3, 4\n", {"column_4"}),
         ("1\n1 2 3\n", set()),
@@ -284,7 +289,7 @@ def test_formats_of_meshlab_are_read_through_it(cloud, tmp_path):
 )
 def test_text_headers_of_other_programs(text, names, tmp_path):
     (tmp_path / "a.txt").write_text(text, encoding="utf-8")
-    cloud = read_point_cloud(tmp_path / "a.txt")
+    cloud = read(tmp_path / "a.txt")
     assert cloud.points.tolist() == [[1, 2, 3]]
     assert set(cloud.attributes) == names
 
@@ -309,7 +314,7 @@ def test_a_copc_becomes_a_plain_laz(rng, tmp_path):
 def test_las_keeps_attributes_of_several_columns_one_by_one(suffix, rng, tmp_path):
     flow = rng.normal(size=(50, 3))
     cloud = PointCloud(rng.normal(size=(50, 3)), attributes={"flow": flow, "a" * 40: flow[:, :2]})
-    write_point_cloud(tmp_path / f"scan{suffix}", cloud)
-    back = read_point_cloud(tmp_path / f"scan{suffix}").attributes
+    write(tmp_path / f"scan{suffix}", cloud)
+    back = read(tmp_path / f"scan{suffix}").attributes
     assert np.array_equal(np.column_stack([back[f"flow_{i}"] for i in range(3)]), flow)
-    assert np.array_equal(back["a" * 28 + "_1"], flow[:, 1])
+    assert np.array_equal(back["a" * 30 + "_2"], flow[:, 1])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from lpcompare.geometry.scale import normalize
-from lpcompare.io.formats import read_point_cloud
+from lpcompare.io.formats import read
 from lpcompare.paper.certificate import TOLERANCE
 from lpcompare.paper.clustering import cluster_points
 from lpcompare.paper.curvature import estimate_curvature
@@ -27,7 +27,7 @@ def residual(cloud, labels, task, chosen):
 @pytest.mark.shared
 @pytest.mark.parametrize("file", ["stanford-bunny.obj", "igea.ply", "nefertiti.obj"])
 def test_every_cluster_of_a_real_scan_is_certified(shared_models, file):
-    cloud = normalize(read_point_cloud(shared_models / "upstream" / file).points)[0]
+    cloud = normalize(read(shared_models / "upstream" / file).points)[0]
     labels = cluster_points(cloud, N_CLUSTERS, np.random.default_rng(0)).labels
     curvature = estimate_curvature(cloud).absolute
     features = feature_mask(curvature, labels)

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from lpcompare.errors import InputError
+from lpcompare.io.rows import Damaged
 
 
-def fan_triangles(polygons: Sequence[ArrayLike], n_points: int, where: str) -> NDArray[np.intp] | None:
+def fan_triangles(polygons: Sequence[Sequence[int]] | NDArray[Any], n_points: int) -> NDArray[np.intp] | None:
     """Each polygon as the fan of triangles around its first corner.
 
     Parameters
@@ -18,32 +19,30 @@ def fan_triangles(polygons: Sequence[ArrayLike], n_points: int, where: str) -> N
     polygons : sequence of sequences of int
         Corners as rows of the points. Polygons of fewer than three corners span nothing and are left out.
     n_points : int
-        Corners outside 0 .. n_points - 1 are an `InputError`.
-    where : str
-        The file's name, for the message.
+        Corners outside 0 .. n_points - 1 are `Damaged`.
 
     Returns
     -------
     ndarray of int, shape (f, 3), or None where no triangle remains.
     """
-    sizes = np.fromiter((len(np.atleast_1d(p)) for p in polygons), dtype=np.intp, count=len(polygons))
+    sizes = np.fromiter(map(len, polygons), dtype=np.intp, count=len(polygons))
     if sizes.sum() == 0:
         return None
-    corners = np.concatenate([np.atleast_1d(np.asarray(p, dtype=np.intp)) for p in polygons])
+    corners = np.concatenate(polygons).astype(np.intp)
     n_triangles = np.maximum(sizes - 2, 0)
     first = np.repeat(np.cumsum(sizes) - sizes, n_triangles)
     step = np.arange(n_triangles.sum()) - np.repeat(np.cumsum(n_triangles) - n_triangles, n_triangles)
     triangles = corners[np.column_stack([first, first + step + 1, first + step + 2])]
-    return checked_triangles(triangles, n_points, where)
+    return checked_triangles(triangles, n_points)
 
 
-def strip_triangles(strip: NDArray[np.integer], n_points: int, where: str) -> NDArray[np.intp] | None:
+def strip_triangles(strip: NDArray[np.integer], n_points: int) -> NDArray[np.intp] | None:
     """Triangles of strips that are separated by -1; every second one of a strip is turned around.
 
     Parameters
     ----------
     strip : ndarray of int, shape (s,)
-    n_points, where
+    n_points : int
         As for `fan_triangles`.
     """
     corners = strip.astype(np.intp)
@@ -55,17 +54,13 @@ def strip_triangles(strip: NDArray[np.integer], n_points: int, where: str) -> ND
     odd = (position[:-2] - start) % 2 == 1
     triangles[odd] = triangles[odd][:, [1, 0, 2]]
     a, b, c = triangles.T
-    return checked_triangles(
-        triangles[(triangles >= 0).all(1) & (a != b) & (b != c) & (a != c)], n_points, where
-    )
+    return checked_triangles(triangles[(triangles >= 0).all(1) & (a != b) & (b != c) & (a != c)], n_points)
 
 
-def checked_triangles(triangles: NDArray[np.intp], n_points: int, where: str) -> NDArray[np.intp] | None:
-    """The triangles, or None if there are none; an `InputError` if a corner is no point."""
+def checked_triangles(triangles: NDArray[np.intp], n_points: int) -> NDArray[np.intp] | None:
+    """The triangles, or None if there are none; `Damaged` if a corner is no point."""
     wrong = (triangles < 0) | (triangles >= n_points)
     if wrong.any():
-        raise InputError(
-            f"{where} is damaged: a face names point {int(triangles[wrong][0])}, "
-            f"but the points are 0 to {n_points - 1}; export the file again."
-        )
+        named = int(triangles[wrong][0])
+        raise Damaged(f"a face names point {named}, but the points are 0 to {n_points - 1}")
     return triangles if len(triangles) else None
