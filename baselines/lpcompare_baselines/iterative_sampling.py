@@ -71,7 +71,7 @@ def removal_order(points: Points) -> Indices:
 
 @njit(cache=True)
 def _remove(squared: NDArray[np.float64], near: NDArray[np.intp], charged: Vector) -> Indices:
-    """Steps 2 and 3 until a list of neighbours has run out, or one point is left; returns the rows removed."""
+    """Steps 2 and 3 until a list of neighbours has run out, or one point is left: the rows removed."""
     n, n_listed = near.shape
     keys = squared[:, 0] + charged
     heap, places = heap_of(keys)

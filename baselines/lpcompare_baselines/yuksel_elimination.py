@@ -10,9 +10,9 @@ author's code.
 4. The progressive order of the m points: the same elimination to half of them, then to half of those, and so
    on, r_max growing by sqrt(2) each time; the order of removal, reversed, is the order of the points.
 
-Decisions: A is the sum over the points of pi r^2 / 8, r the distance to the 8th nearest, as in Pauly, Gross and
-Kobbelt 2002, where the author's code takes the bounding box; copies of a position go first. In step 4 d_min
-follows the halves, as in step 2. One order of the whole cloud, cut at m, would be had without step 2 for each
+Decisions: A is the sum over the points of pi r^2 / 8, r the distance to the 8th nearest, as in Pauly, Gross
+and Kobbelt 2002, where the author's code takes the bounding box; copies of a position go first. In step 4
+d_min follows the halves, as in step 2. One order of the whole cloud, cut at m, would be had without step 2 for each
 m; on three shapes its least distance was .64 to .67 r_max at 90 and 97 % removed, against .73 to .81.
 """
 
@@ -31,8 +31,8 @@ from lpcompare_baselines._orders import copies_last, first_of
 
 TRAITS = Traits(
     wraps="numpy, numba",
-    source="Yuksel, Sample elimination for generating Poisson disk sample sets, Computer Graphics Forum 34(2), "
-    "2015",
+    source="Yuksel, Sample elimination for generating Poisson disk sample sets, Computer Graphics Forum "
+    "34(2), 2015",
     licence="BSD-3-Clause",
     family="spacing",
     progressive=True,

@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from lpcompare.geometry.neighbors import Neighbors
-from lpcompare.types import Points
+from lpcompare.geometry.scale import normalize
+from lpcompare.types import Points, Vector
 
 
 def nearest_others(points: Points, n_neighbors: int) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
@@ -71,3 +72,13 @@ def high_pass(graph: csr_array, points: Points) -> Points:
     degrees = np.maximum(graph.sum(axis=1), np.finfo(float).tiny)
     centred = points - points.mean(axis=0)
     return centred - (graph @ centred) / degrees[:, None]
+
+
+def high_pass_energy(points: Points, n_neighbors: int) -> Vector:
+    """Squared length of each point's `high_pass` offset on its `gaussian_graph`, shape (n,), of mean 1.
+
+    Where no point differs from its neighbours' mean, all are 0.
+    """
+    scaled = normalize(points)[0]
+    energy = np.square(high_pass(gaussian_graph(scaled, n_neighbors), scaled)).sum(axis=1)
+    return energy / (energy.mean() or 1.0)
