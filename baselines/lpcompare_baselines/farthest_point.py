@@ -11,6 +11,7 @@ import numpy as np
 
 from lpcompare.types import Points, Simplification, Traits
 from lpcompare_baselines._buckets import farthest_points
+from lpcompare_baselines._orders import first_of
 
 TRAITS = Traits(
     family="spacing",
@@ -18,6 +19,8 @@ TRAITS = Traits(
     source="Eldar, Lindenbaum, Porat and Zeevi, The farthest point strategy for progressive image sampling, "
     "IEEE Transactions on Image Processing 6(9), 1997",
     licence="BSD-3-Clause",
+    family="spacing",
+    progressive=True,
 )
 
 
@@ -35,7 +38,7 @@ def farthest_point(points: Points, target_count: int, *, rng: np.random.Generato
     Returns
     -------
     Simplification
-        A subset of the input.
+        A subset of the input; ``info["order"]`` has the rank of each kept point, shape (m,).
     """
-    indices = np.sort(farthest_points(points, target_count, int(rng.integers(len(points)))))
-    return Simplification(points[indices], indices)
+    rows = farthest_points(points, target_count, int(rng.integers(len(points))))
+    return first_of(points, rows, target_count)

@@ -16,6 +16,7 @@ from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
 from importlib.util import find_spec
 from pathlib import Path
+from shutil import which
 from time import perf_counter
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, TypeAlias, get_type_hints
@@ -136,7 +137,9 @@ class Registry:
 
     def missing(self, name: str) -> str:
         """Why a method cannot run here, or an empty string; imports nothing of the method's."""
-        absent = [m for m in self.traits(name).requires if find_spec(m) is None]
+        traits = self.traits(name)
+        absent = [m for m in traits.requires if find_spec(m) is None]
+        absent += [f"the program {p}" for p in traits.programs if which(p) is None]
         return f"{', '.join(absent)} is not installed.{self._remedy(name)}" if absent else ""
 
     def source(self, name: str) -> bytes:
@@ -206,8 +209,11 @@ class Registry:
         return self._modules[name]
 
     def _remedy(self, name: str) -> str:
-        extra = self.traits(name).extra if self.kind == "method" else ""
-        return f" Install it with: pip install 'lpcompare[{extra}]'." if extra else ""
+        if self.kind != "method":
+            return ""
+        traits = self.traits(name)
+        how = traits.install or (f"pip install 'lpcompare[{traits.extra}]'" if traits.extra else "")
+        return f" Install it with: {how}." if how else ""
 
     def _tree(self, name: str) -> ast.Module:
         return ast.parse(self.source(name))

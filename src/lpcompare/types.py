@@ -162,10 +162,17 @@ class Traits:
     own_process : bool
         The wrapped library keeps a random state that nobody can seed: the same seed gives the same points
         only in a fresh process, so that `lpcompare.simplify` starts one.
+    repeatable : bool
+        The same seed gives the same points; false where a wrapped program draws from a generator that
+        cannot be seeded.
     requires : tuple of str
         Importable modules that must be present.
+    programs : tuple of str
+        Programs that must be on the search path.
     extra : str
-        The extra of lpcompare that installs them; empty for a default method.
+        The extra of lpcompare that installs the modules; empty for a default method.
+    install : str
+        How to get what no extra installs, such as a program.
     """
 
     wraps: str = "lpcompare"

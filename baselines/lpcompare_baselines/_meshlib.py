@@ -1,0 +1,21 @@
+"""MeshLib point clouds from numpy arrays, and rows from its bit sets."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from meshlib import mrmeshnumpy  # pyright: ignore[reportMissingImports]
+
+from lpcompare.geometry.scale import bounding_box_center
+from lpcompare.types import Indices, Points
+
+
+def point_cloud(points: Points) -> Any:
+    """The points as a MeshLib cloud in single precision, about the centre of their bounding box."""
+    return mrmeshnumpy.pointCloudFromPoints(points - bounding_box_center(points))
+
+
+def rows_of(kept: Any) -> Indices:
+    """Rows that are set, ascending."""
+    return np.flatnonzero(mrmeshnumpy.getNumpyBitSet(kept))
