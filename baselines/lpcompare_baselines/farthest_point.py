@@ -19,7 +19,6 @@ TRAITS = Traits(
     source="Eldar, Lindenbaum, Porat and Zeevi, The farthest point strategy for progressive image sampling, "
     "IEEE Transactions on Image Processing 6(9), 1997",
     licence="BSD-3-Clause",
-    family="spacing",
     progressive=True,
 )
 

@@ -12,11 +12,11 @@ Qi, Hu and Guo, Feature preserving and uniformity-controllable point cloud simpl
    which keeps features and asks that every neighbourhood keep its share; l weighs the two.
 4. The m largest x_i are kept.
 
-Decisions: one sparse program for the whole cloud, where the authors' code solves dense blocks of some thousand
-points; accelerated projected gradients (FISTA with restarts) until the step is small; f is divided by its
-mean, because it grows with the square of the unit and l would depend on that; l = 3, the best of .03, .3, 3,
-30 and 300 over two shapes and two scans at 90 % (the authors' .001 is for their unit); equal x_i are kept by
-feature, then by row.
+Decisions: one sparse program for the whole cloud, where the authors' code solves dense blocks of some
+thousand points; accelerated projected gradients (FISTA with restarts) until the step is small; f is divided
+by its mean, because it grows with the square of the unit and l would depend on that; l = 3, the best of .03,
+.3, 3, 30 and 300 over two shapes and two scans at 90 % (the authors' .001 is for their unit); equal x_i are
+kept by feature, then by row.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ from lpcompare.types import Points, Simplification, Traits, Vector
 
 TRAITS = Traits(
     wraps="numpy, scipy.sparse",
-    source="Qi, Hu and Guo, Feature preserving and uniformity-controllable point cloud simplification on graph, "
-    "IEEE ICME 2019",
+    source="Qi, Hu and Guo, Feature preserving and uniformity-controllable point cloud simplification on "
+    "graph, IEEE ICME 2019",
     licence="GPL-3.0-or-later",
     family="graph",
 )

@@ -12,8 +12,9 @@ author's code.
 
 Decisions: A is the sum over the points of pi r^2 / 8, r the distance to the 8th nearest, as in Pauly, Gross
 and Kobbelt 2002, where the author's code takes the bounding box; copies of a position go first. In step 4
-d_min follows the halves, as in step 2. One order of the whole cloud, cut at m, would be had without step 2 for each
-m; on three shapes its least distance was .64 to .67 r_max at 90 and 97 % removed, against .73 to .81.
+d_min follows the halves, as in step 2. One order of the whole cloud, cut at m, would be had without step 2
+for each m; on three shapes its least distance was .64 to .67 r_max at 90 and 97 % removed, against .73 to
+.81.
 """
 
 from __future__ import annotations

@@ -187,6 +187,7 @@ class Traits:
     reading: bool = False
     own_process: bool = False
     requires: tuple[str, ...] = ()
+    programs: tuple[str, ...] = ()
     extra: str = ""
 
     @property
