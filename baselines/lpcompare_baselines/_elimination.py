@@ -18,6 +18,7 @@ from scipy.sparse import csr_array
 
 from lpcompare.geometry.scale import bounding_box_diagonal
 from lpcompare.types import Indices, Mask, Points, Vector
+from lpcompare_baselines._heap import pop, settle
 from lpcompare_baselines._hoods import IndexArray, nearest_others
 
 SIGNATURE = types.float64(types.int64, types.int64[::1], types.float64[:, ::1], types.float64[:, ::1])
@@ -30,6 +31,8 @@ _RENEWED_AT = 0.7
 """Share of the points left at which the lists are made again."""
 _GAP_NEIGHBORS = 6
 _EVENNESS = 1e-3
+_WIDEST_GAP = 1.5
+"""Largest gap in a flat place, over that of an even result."""
 
 
 class Elimination(NamedTuple):
@@ -78,8 +81,8 @@ def eliminate(
     even : bool, optional
         Thin flat places evenly and empty none. The gap at a point is the mean distance to its six nearest
         points. A thousandth of the gap is added to the importance, so that the most crowded of equal points
-        goes first. A point whose gap exceeds twice that of an even result (its gap in the input times the
-        square root of n / target) comes after all others.
+        goes first. A point whose gap exceeds one and a half times that of an even result (its gap in the
+        input times the square root of n / target) comes after all others.
     """
     n = len(points)
     fixed = np.zeros(n, bool) if fixed is None else fixed
@@ -101,7 +104,7 @@ def eliminate(
 
 def _gap_limits(points: Points, target_count: int) -> Vector:
     gaps = nearest_others(points, _GAP_NEIGHBORS)[0].sum(axis=1) / _GAP_NEIGHBORS
-    return 2.0 * np.sqrt(len(points) / target_count) * gaps
+    return _WIDEST_GAP * np.sqrt(len(points) / target_count) * gaps
 
 
 def _lists(points: Points, alive: Mask, n_neighbors: int) -> tuple[IndexArray, Indices, Indices]:
@@ -158,27 +161,6 @@ def _kept_even(value, row, hood, points, limits, beyond_all):
     return beyond_all + gap if gap > limits[row] else value + _EVENNESS * gap
 
 
-@njit("void(i8, i8[::1], i8, i8[::1], f8[::1])", cache=True)
-def _settle(at, heap, size, place, keys):
-    """Move the entry at one position of the heap up or down to where it belongs."""
-    row = heap[at]
-    while at and (keys[row], row) < (keys[heap[(at - 1) // 2]], heap[(at - 1) // 2]):
-        heap[at] = heap[(at - 1) // 2]
-        place[heap[at]] = at
-        at = (at - 1) // 2
-    while 2 * at + 1 < size:
-        child = 2 * at + 1
-        if child + 1 < size and (keys[heap[child + 1]], heap[child + 1]) < (keys[heap[child]], heap[child]):
-            child += 1
-        if (keys[row], row) < (keys[heap[child]], heap[child]):
-            break
-        heap[at] = heap[child]
-        place[heap[at]] = at
-        at = child
-    heap[at] = row
-    place[row] = at
-
-
 @njit(_REMOVE, cache=True)
 def _remove(
     importance, points, data, near, starts, who, alive, fixed, limits, beyond_all, n_neighbors, n_wanted,
@@ -194,17 +176,14 @@ def _remove(
         if len(limits):
             keys[row] = _kept_even(keys[row], row, hood, points, limits, beyond_all)
     size = len(heap)
-    for at in range(size // 2, -1, -1):
-        _settle(at, heap, size, place, keys)
+    for at in range(size):
+        settle(at, heap, at + 1, place, keys)
     hood = np.empty(n_neighbors, np.int64)
     for done in range(n_wanted):
-        row = heap[0]
-        removed[done], values[done] = row, keys[row]
-        alive[row], place[row] = False, -1
+        row = pop(heap, size, place, keys)
         size -= 1
-        if size:
-            heap[0] = heap[size]
-            _settle(0, heap, size, place, keys)
+        removed[done], values[done] = row, keys[row]
+        alive[row] = False
         if done + 1 == n_wanted:
             break
         for other in who[starts[row] : starts[row + 1]]:
@@ -217,5 +196,5 @@ def _remove(
                 keys[other] = importance(other, hood, points, data)
                 if len(limits):
                     keys[other] = _kept_even(keys[other], other, hood, points, limits, beyond_all)
-                _settle(place[other], heap, size, place, keys)
+                settle(place[other], heap, size, place, keys)
     return n_wanted

@@ -74,17 +74,18 @@ def on_rim(points: Points, neighbors: IndexArray, normals: Points, counted: Mask
     counted : ndarray of bool, shape (n, k), optional
         The neighbors that count; by default all.
     """
+    counted = np.ones(neighbors.shape, bool) if counted is None else counted
+    alone = ~counted.any(axis=1)
+    if alone.all():
+        return alone
     offsets = points[neighbors] - points[:, None]
-    first, second = tangents(normals.T)
-    angles = np.arctan2(
-        np.einsum("nki,in->nk", offsets, second), np.einsum("nki,in->nk", offsets, first)
-    )
-    angles = np.sort(np.where(True if counted is None else counted, angles, np.inf), axis=1)
-    # what does not count stands at the end and repeats the first angle, one turn later
-    angles = np.column_stack([angles, np.full(len(points), np.inf)])
-    angles = np.minimum(angles, angles[:, :1] + 2 * np.pi)
-    gaps = np.diff(angles, axis=1, append=angles[:, -1:])
-    return ~(gaps.max(axis=1) <= _WIDEST_GAP)
+    axes = tangents(normals.T)
+    aside, ahead = (np.einsum("nki,in->nk", offsets, axis) for axis in axes)
+    angles = np.sort(np.where(counted, np.arctan2(ahead, aside), np.inf), axis=1)
+    # what does not count stands at the end, and repeats the first angle one turn later
+    closing = np.where(alone[:, None], 0.0, angles[:, :1]) + 2 * np.pi
+    gaps = np.diff(np.minimum(angles, closing), axis=1, append=closing)
+    return alone | (gaps.max(axis=1) > _WIDEST_GAP)
 
 
 def thinned(points: Points, rows: IndexArray, limit: int) -> IndexArray:
