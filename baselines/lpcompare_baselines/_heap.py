@@ -1,50 +1,50 @@
-"""A binary heap of rows whose keys only grow, compiled."""
+"""A binary heap whose entries know their place, so that a key can change (compiled)."""
 
 from __future__ import annotations
 
-import numpy as np
 from numba import njit
 
-from lpcompare.types import Indices, Vector
 
+@njit("void(i8, i8[::1], i8, i8[::1], f8[::1])", cache=True)
+def settle(at, heap, size, place, keys):
+    """Move the entry at one position of a heap up or down to where it belongs.
 
-@njit(cache=True)
-def heap_of(keys: Vector) -> tuple[Indices, Indices]:
-    """A heap of all rows, the least key first (of equals the last row), and where each row is in it."""
-    heap = np.arange(len(keys))
-    places = np.arange(len(keys))
-    for place in range(len(keys) // 2 - 1, -1, -1):
-        sink(heap, places, keys, place, len(keys))
-    return heap, places
-
-
-@njit(cache=True)
-def sink(heap: Indices, places: Indices, keys: Vector, place: int, size: int) -> None:
-    """Move the row at a place down to where its key belongs, after the key has grown."""
-    row = heap[place]
-    while 2 * place + 1 < size:
-        child = 2 * place + 1
-        if child + 1 < size and _before(keys, heap[child + 1], heap[child]):
+    Parameters
+    ----------
+    at : int
+        The position whose key is new; every other entry of the heap is in order.
+    heap : ndarray of int
+        The rows in the heap, the one of smallest key first, the lowest row where keys are equal.
+    size : int
+        Entries of ``heap`` that count.
+    place : ndarray of int, shape (n,)
+        Position of each row in the heap.
+    keys : ndarray, shape (n,)
+    """
+    row = heap[at]
+    while at and (keys[row], row) < (keys[heap[(at - 1) // 2]], heap[(at - 1) // 2]):
+        heap[at] = heap[(at - 1) // 2]
+        place[heap[at]] = at
+        at = (at - 1) // 2
+    while 2 * at + 1 < size:
+        child = 2 * at + 1
+        if child + 1 < size and (keys[heap[child + 1]], heap[child + 1]) < (keys[heap[child]], heap[child]):
             child += 1
-        if not _before(keys, heap[child], row):
+        if (keys[row], row) < (keys[heap[child]], heap[child]):
             break
-        heap[place] = heap[child]
-        places[heap[place]] = place
-        place = child
-    heap[place] = row
-    places[row] = place
+        heap[at] = heap[child]
+        place[heap[at]] = at
+        at = child
+    heap[at] = row
+    place[row] = at
 
 
-@njit(cache=True)
-def pop(heap: Indices, places: Indices, keys: Vector, size: int) -> int:
-    """Take the first row out of the first ``size`` places; it moves to the last of them."""
-    first, last = heap[0], heap[size - 1]
-    heap[0], heap[size - 1] = last, first
-    places[last], places[first] = 0, size - 1
-    sink(heap, places, keys, 0, size - 1)
-    return first
-
-
-@njit(cache=True)
-def _before(keys: Vector, row: int, other: int) -> bool:
-    return keys[row] < keys[other] or (keys[row] == keys[other] and row > other)
+@njit("i8(i8[::1], i8, i8[::1], f8[::1])", cache=True)
+def pop(heap, size, place, keys):
+    """Take the row of smallest key out of a heap of ``size`` entries; its place becomes -1."""
+    row = heap[0]
+    place[row] = -1
+    if size > 1:
+        heap[0] = heap[size - 1]
+        settle(0, heap, size - 1, place, keys)
+    return row

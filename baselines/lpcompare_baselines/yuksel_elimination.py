@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 
 from lpcompare.geometry.graphs import nearest_others
 from lpcompare.types import Indices, Points, Simplification, Traits, Vector
-from lpcompare_baselines._heap import heap_of, pop, sink
+from lpcompare_baselines._growing_heap import heap_of, pop, sink
 from lpcompare_baselines._orders import copies_last, first_of
 
 TRAITS = Traits(

@@ -186,9 +186,11 @@ class Traits:
     progressive: bool = False
     reading: bool = False
     own_process: bool = False
+    repeatable: bool = True
     requires: tuple[str, ...] = ()
     programs: tuple[str, ...] = ()
     extra: str = ""
+    install: str = ""
 
     @property
     def keeps_indices(self) -> bool:

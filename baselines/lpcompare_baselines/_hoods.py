@@ -1,0 +1,97 @@
+"""What the nearest points of each point say about the surface there: normal, variation, spacing, rim."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lpcompare.geometry.frames import tangents
+from lpcompare.geometry.neighbors import Neighbors
+from lpcompare.types import Mask, Points, Vector
+from lpcompare_baselines._buckets import farthest_points
+
+IndexArray = NDArray[np.intp]
+
+_BLOCK = 32768
+_WIDEST_GAP = np.pi / 2
+"""Angle without a neighbour, in radians, from which a point lies on the rim of an open surface."""
+
+
+def nearest_others(points: Points, n_neighbors: int) -> tuple[NDArray[np.float64], IndexArray]:
+    """Distances and rows of the nearest other points of each point, nearest first, shape (n, k) each.
+
+    ``k`` is ``n_neighbors``, or one less than the cloud has points where that is fewer.
+    """
+    distances, neighbors = Neighbors(points).query(points, n_neighbors + 1)
+    own = neighbors == np.arange(len(points))[:, None]
+    own[~own.any(axis=1), -1] = True  # a point with more duplicates than neighbors asked for
+    shape = len(points), neighbors.shape[1] - 1
+    return distances[~own].reshape(shape), neighbors[~own].reshape(shape)
+
+
+def normals_and_variation(points: Points, neighbors: IndexArray) -> tuple[Points, Vector]:
+    """Normal of each point's neighborhood, itself included, and its surface variation.
+
+    Pauly, Gross and Kobbelt 2002, eqs. 1 to 5: the eigenvector of the least eigenvalue of the covariance, and
+    that eigenvalue over the sum of all three.
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, 3)
+    neighbors : ndarray of int, shape (n, k)
+        The other points of each neighborhood.
+
+    Returns
+    -------
+    normals : ndarray, shape (n, 3)
+        Unit length, the sign is arbitrary.
+    variation : ndarray, shape (n,)
+        From 0 (flat) to 1/3; 0 where all points coincide.
+    """
+    normals, variation = np.empty_like(points), np.zeros(len(points))
+    for start in range(0, len(points), _BLOCK):
+        block = slice(start, start + _BLOCK)
+        # relative to the point itself, so that large coordinates cost no digits
+        offsets = points[neighbors[block]] - points[block, None]
+        total = offsets.sum(axis=1)
+        covariances = np.einsum("qki,qkj->qij", offsets, offsets, optimize=True)
+        covariances -= total[:, :, None] * total[:, None, :] / (neighbors.shape[1] + 1)
+        values, vectors = np.linalg.eigh(covariances)
+        normals[block] = vectors[:, :, 0]
+        whole = values.sum(axis=1)
+        np.divide(np.maximum(values[:, 0], 0.0), whole, out=variation[block], where=whole > 0)
+    return normals, variation
+
+
+def on_rim(points: Points, neighbors: IndexArray, normals: Points, counted: Mask | None = None) -> Mask:
+    """Whether the directions to the neighbors, in the tangent plane, leave a gap of more than 90 degrees.
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, 3)
+    neighbors : ndarray of int, shape (n, k)
+    normals : ndarray, shape (n, 3)
+    counted : ndarray of bool, shape (n, k), optional
+        The neighbors that count; by default all.
+    """
+    counted = np.ones(neighbors.shape, bool) if counted is None else counted
+    alone = ~counted.any(axis=1)
+    if alone.all():
+        return alone
+    offsets = points[neighbors] - points[:, None]
+    axes = tangents(normals.T)
+    aside, ahead = (np.einsum("nki,in->nk", offsets, axis) for axis in axes)
+    angles = np.sort(np.where(counted, np.arctan2(ahead, aside), np.inf), axis=1)
+    # what does not count stands at the end, and repeats the first angle one turn later
+    closing = np.where(alone[:, None], 0.0, angles[:, :1]) + 2 * np.pi
+    gaps = np.diff(np.minimum(angles, closing), axis=1, append=closing)
+    return alone | (gaps.max(axis=1) > _WIDEST_GAP)
+
+
+def thinned(points: Points, rows: IndexArray, limit: int) -> IndexArray:
+    """At most ``limit`` of the given rows, far apart: the first ones of their farthest-point order."""
+    if len(rows) <= limit:
+        return rows
+    if limit == 0:
+        return rows[:0]
+    return rows[farthest_points(points[rows], limit, 0)]
