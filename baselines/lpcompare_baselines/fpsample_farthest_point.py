@@ -11,6 +11,7 @@ from __future__ import annotations
 import fpsample  # pyright: ignore[reportMissingImports]
 import numpy as np
 
+from lpcompare.errors import NotApplicable
 from lpcompare.geometry.scale import bounding_box_center
 from lpcompare.types import Points, Simplification, Traits
 from lpcompare_baselines._guards import check_distinct
@@ -28,6 +29,7 @@ TRAITS = Traits(
 )
 
 _LARGEST_HEIGHT = 7
+_FEWEST = 4
 
 
 def fpsample_farthest_point(points: Points, target_count: int, *, rng: np.random.Generator) -> Simplification:
@@ -51,6 +53,8 @@ def fpsample_farthest_point(points: Points, target_count: int, *, rng: np.random
     NotApplicable
         Fewer distinct points exist than are asked for: fpsample would take some of them twice.
     """
+    if len(points) < _FEWEST:
+        raise NotApplicable(f"fpsample takes {_FEWEST} points or more, and the cloud has {len(points)}.")
     centred = (points - bounding_box_center(points)).astype(np.float32)
     check_distinct(centred, target_count)
     height = min(_LARGEST_HEIGHT, max(1, int(np.log2(len(points)) / 2)))

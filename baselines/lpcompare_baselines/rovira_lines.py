@@ -9,7 +9,8 @@ Crofton). This file is our version for points, a reading.
 Decisions:
 
 - A point stands for a disc in its tangent plane, as wide as the distance to its sixth neighbor,
-  at most ten times the median of that. A line crosses the surface where it meets discs; discs of one sheet are one crossing (next along the line by less than the sum of
+  at most ten times the median of that. A line crosses the surface where it meets discs; discs of one sheet
+  are one crossing (next along the line by less than the sum of
   their radii, normals within 60 degrees). The disc met nearest its center gives the sample.
 - Lines come in bundles of parallel ones, one at a random place in each cell of a square grid. Directions follow the
   R2 sequence (Roberts 2018), from a random start. The pitch of the grid is chosen so that about ``n_bundles``

@@ -1,11 +1,11 @@
 """Planes found by region growing, thinned by quadtrees inside, kept along their rims: a reading of Whelan 2015.
 
-T. Whelan, L. Ma, E. Bondarev, P. H. N. de With and J. McDonald, Incremental and batch planar simplification of dense point
-cloud maps, Robotics and Autonomous Systems 69, 2015, 3-14 (the 2017 paper's [20]); the quadtree comes from Ma and others,
-Planar simplification and texturing of dense point cloud maps, ECMR 2013. The texts could not be read. The segmentation is
-known from a contribution to OpenCV whose comments number the algorithms; the rest from what others say. The
-authors triangulate the planes and leave all other points to a surface reconstruction; here is the batch case, as a
-method that keeps a given number of points:
+T. Whelan, L. Ma, E. Bondarev, P. H. N. de With and J. McDonald, Incremental and batch planar simplification
+of dense point cloud maps, Robotics and Autonomous Systems 69, 2015, 3-14 (the 2017 paper's [20]); the
+quadtree comes from Ma and others, Planar simplification and texturing of dense point cloud maps, ECMR 2013.
+The texts could not be read. The segmentation is known from a contribution to OpenCV whose comments number
+the algorithms; the rest from what others say. The authors triangulate the planes and leave all other points
+to a surface reconstruction; here is the batch case, as a method that keeps a given number of points:
 
 1. segments: the point of least surface variation that is in none begins one; a neighbor joins when its normal is
    within ``angle`` of the segment's, and is grown from in its turn when its variation is below ``max_variation``;
