@@ -18,13 +18,11 @@ from PIL import Image
 
 from lpcompare.benchmark.record import load_run
 from lpcompare.io.arrays import load_arrays
-from lpcompare.report.cells import gather_cells
-from lpcompare.report.clouds3d import input_files
-from lpcompare.report.columns import ERROR
+from lpcompare.report.cells import ERROR, cells
+from lpcompare.report.clouds3d import error_scale, kept_results, percent_errors
 from lpcompare.report.page import write_page
-from lpcompare.report.pictures import error_scale, percent_errors
 from lpcompare.report.projections import draw_cloud
-from lpcompare.report.wording import number
+from lpcompare.report.tables import number
 
 METHODS = ("lp_printed", "poisson_disk", "lp_uniform")
 FOLDER = Path(__file__).parent
@@ -34,12 +32,13 @@ CHROMIUM = "/usr/bin/chromium"
 def draw_bunny(run_folder: Path, out: Path) -> None:
     """The original beside three methods: what is kept above, the error of every original below."""
     run = load_run(run_folder)
-    cells = {
-        c.method: c for c in gather_cells(run.records) if c.reduction == max(r.reduction for r in run.records)
-    }
-    points = load_arrays(input_files(run)[run.records[0].model])["points"]
-    results = {method: load_arrays(run.folder / cells[method].cloud) for method in METHODS}
-    high = error_scale(points, list(results.values()))
+    table = cells(run.frame)
+    (file, kept), *_ = kept_results(run, table[table.reduction.eq(table.reduction.max())]).values()
+    kept = kept.set_index("label").loc[list(METHODS)]
+    points = load_arrays(file)["points"]
+    results = {method: load_arrays(run.folder / name) for method, name in kept.cloud.items()}
+    errors = {method: percent_errors(file, result, points) for method, result in results.items()}
+    high = error_scale(list(errors.values()))
     figure = Figure(figsize=(11, 5.6), layout="constrained")
     grid = figure.subplots(2, len(METHODS) + 1)
     shown = draw_cloud(grid[0, 0], points, size=2.4)
@@ -47,10 +46,8 @@ def draw_bunny(run_folder: Path, out: Path) -> None:
     grid[1, 0].set_axis_off()
     for column, (method, result) in enumerate(results.items(), start=1):
         draw_cloud(grid[0, column], result["points"], size=3, plain="#16324f")
-        shown = draw_cloud(
-            grid[1, column], points, percent_errors(points, result), limits=(0, high), size=2.4, shaded=False
-        )
-        error = number(cells[method].value(ERROR))
+        shown = draw_cloud(grid[1, column], points, errors[method], limits=(0, high), size=2.4, shaded=False)
+        error = number(kept.at[method, ERROR])
         grid[0, column].set_title(f"{method}\n{len(result['points']):,} points, error {error} %", fontsize=11)
         for axes in grid[:, column]:
             axes.set_xlim(grid[0, 0].get_xlim())

@@ -6,8 +6,7 @@ from pathlib import Path
 import pytest
 
 from lpcompare.benchmark.record import load_run
-from lpcompare.report.method_table import method_page
-from lpcompare.report.page_markdown import write_study_page
+from lpcompare.report.page_markdown import method_page, write_study_page
 from lpcompare.report.tables import format_run
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -10,12 +10,12 @@ import typer
 
 def command(
     runs: Annotated[
-        list[Path], typer.Argument(help="Folders of runs; the first is what others are held to.")
+        list[Path], typer.Argument(help="Folders of runs; the first is what the others are compared with.")
     ],
 ) -> None:
     """Compare runs of the same inputs; of one run, its methods."""
     from lpcompare.benchmark.record import load_run
-    from lpcompare.report.comparison_table import format_comparison, format_methods
+    from lpcompare.report.comparison import format_comparison, format_methods
 
     first, *others = [load_run(path) for path in runs]
     texts = [format_comparison(first, other) for other in others] or [format_methods(first)]

@@ -39,11 +39,11 @@ def command(
 
         written += write_figures(loaded, loaded.folder / "figures", reference)
     if latex:
-        from lpcompare.report.latex import write_latex
+        from lpcompare.report.tables import write_latex
 
         written.append(write_latex(loaded, loaded.folder / "tables.tex"))
     if markdown:
-        from lpcompare.report.markdown import write_markdown
+        from lpcompare.report.tables import write_markdown
 
         written.append(write_markdown(loaded, loaded.folder / "tables.md"))
     if page:
@@ -51,7 +51,7 @@ def command(
 
         written.append(write_study_page(loaded, loaded.folder / "README.md", reference))
     if csv:
-        from lpcompare.report.cell_table import write_csv
+        from lpcompare.report.tables import write_csv
 
         written.append(write_csv(loaded, loaded.folder / "cells.csv"))
     if meshlab:

@@ -2,24 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict
 from typing import Any
 
-from lpcompare.report.cells import Cell, distinct, pareto_front
-from lpcompare.report.columns import ERROR, RUNTIME, Heading, metric_keys
+import pandas as pd
+
+from lpcompare.report.cells import (  # fmt: skip
+    COSTS,
+    ERROR,
+    LEVELS,
+    RUNTIME,
+    axis_title,
+    pareto_front,
+    perturbation_curves,
+    stage_name,
+)
 from lpcompare.report.styles import method_styles, stage_styles
-from lpcompare.report.tables import BASELINE
+from lpcompare.types import Column
 
 
-def collect_charts(cells: Sequence[Cell], known: Mapping[str, Heading], reference: str) -> dict[str, Any]:
+def collect_charts(table: pd.DataFrame, known: Mapping[str, Column], reference: str) -> dict[str, Any]:
     """Everything that the charts can show.
 
     Parameters
     ----------
-    cells : sequence of Cell
-    known : mapping of str to Heading
-        The columns of the run.
+    table : DataFrame
+        The run's cells.
+    known : mapping of str to Column
+        Its numbers.
     reference : str
         The method that ratios are taken to at first.
 
@@ -30,58 +41,67 @@ def collect_charts(cells: Sequence[Cell], known: Mapping[str, Heading], referenc
         reduction, ``methods`` and, in the order of the work, ``stages`` with their colours, ``headings``,
         ``measures`` to choose from.
     """
-    good = [cell for cell in cells if cell.ok]
-    styles = method_styles(distinct(cells, "method"))
-    measures = metric_keys(known)
+    good = table[table.n_ok > 0]
+    stages = [key for key in good if stage_name(key) and good[key].notna().any()]
+    measures = [key for key, column in known.items() if key not in COSTS and not column.alias]
     return {
         "reference": reference,
-        "headings": {key: asdict(h) | {"label": h.label} for key, h in known.items()},
+        "headings": {key: {**asdict(c), "key": key, "label": axis_title(c)} for key, c in known.items()},
         "measures": measures,
-        "methods": {method: asdict(style) for method, style in styles.items()},
-        "stages": [[stage, asdict(style)] for stage, style in stage_styles(stage_names(good)).items()],
-        "models": distinct(good, "model"),
-        "reductions": sorted(distinct(good, "reduction")),
-        "cells": [_entry(cell) for cell in good],
-        "fronts": {
-            m: _fronts([c for c in good if c.model == m], known, measures) for m in distinct(good, "model")
-        },
+        "methods": {method: asdict(style) for method, style in method_styles(table.label.unique()).items()},
+        "stages": [[name, asdict(s)] for name, s in stage_styles(map(stage_name, stages)).items()],
+        "models": list(good.input.unique()),
+        "reductions": sorted(good.reduction.unique()),
+        "cells": [_entry(cell, known, stages) for cell in good.to_dict("records")],
+        "fronts": {m: _fronts(group, known, measures) for m, group in good.groupby("input", sort=False)},
     }
 
 
-def choose_reference(cells: Sequence[Cell]) -> str:
-    """The baseline of the printed tables where the run holds it, else the fastest that ended most often."""
-    if any(cell.ok and cell.method == BASELINE for cell in cells):
-        return BASELINE
-    good = [cell for cell in cells if cell.ok and RUNTIME in cell.values]
-    if not good:
-        return ""
-    spans = {m: [c.value(RUNTIME) for c in good if c.method == m] for m in distinct(good, "method")}
-    return min(spans, key=lambda method: (-len(spans[method]), max(spans[method]), method))
+def collect_perturbations(frame: pd.DataFrame) -> dict[str, Any]:
+    """What the page shows of the perturbed inputs.
 
-
-def stage_names(cells: Iterable[Cell]) -> list[str]:
-    """The stages that the methods tell apart, in the order in which they appear."""
-    return list(dict.fromkeys(stage for cell in cells for stage in cell.timings))
-
-
-def _entry(cell: Cell) -> dict[str, Any]:
+    Returns
+    -------
+    dict
+        JSON-ready: ``panels``, whose curves are lists of [level, error] where there is a result, and the
+        ``models``, ``reductions`` and ``kinds`` with their captions to choose from, none where nothing was
+        perturbed; ``blind``, the methods that saw no outlier: added points belong to no face of the mesh that
+        they work on.
+    """
+    curves = perturbation_curves(frame)
+    panels = []
+    for (model, reduction, kind), group in curves.groupby(level=[0, 1, 2], sort=False) if len(curves) else ():
+        points = {m: list(curve.dropna().items()) for m, curve in group.droplevel([0, 1, 2]).iterrows()}
+        panels.append({"model": model, "reduction": reduction, "kind": kind, "curves": points})
+    blind = frame.label[frame.needs_mesh.eq(True).fillna(False) & frame.perturbation.eq("outliers")]
     return {
-        "model": cell.model,
-        "method": cell.method,
-        "reduction": cell.reduction,
-        "values": {k: [_short(v) for v in (i.median, i.low, i.high)] for k, i in cell.values.items()},
-        "timings": {stage: _short(value) for stage, value in cell.timings.items()},
+        "panels": panels,
+        "models": list(dict.fromkeys(panel["model"] for panel in panels)),
+        "reductions": sorted({panel["reduction"] for panel in panels}),
+        "kinds": {panel["kind"]: LEVELS.get(panel["kind"], panel["kind"]) for panel in panels},
+        "blind": list(blind.unique()),
+    }
+
+
+def _entry(cell: Mapping[str, Any], known: Iterable[str], stages: Iterable[str]) -> dict[str, Any]:
+    spans = {key: [_short(cell[f"{key}{end}"]) for end in ("", "_low", "_high")] for key in known}
+    return {
+        "model": cell["input"],
+        "method": cell["label"],
+        "reduction": cell["reduction"],
+        "values": {key: span for key, span in spans.items() if span[0] == span[0]},
+        "timings": {stage_name(key): _short(cell[key]) for key in stages if cell[key] == cell[key]},
     }
 
 
 def _fronts(
-    cells: Sequence[Cell], known: Mapping[str, Heading], measures: Iterable[str]
+    group: pd.DataFrame, known: Mapping[str, Column], measures: Iterable[str]
 ) -> dict[str, dict[str, list[str]]]:
     """Column -> reduction -> the methods on the front of runtime against that column."""
     return {
         key: {
-            f"{r:g}": [c.method for c in pareto_front([c for c in cells if c.reduction == r], RUNTIME, key)]
-            for r in distinct(cells, "reduction")
+            f"{r:g}": list(pareto_front(part, RUNTIME, key).label)
+            for r, part in group[["label", "reduction", RUNTIME, key]].groupby("reduction", sort=False)
         }
         for key in measures
         if key == ERROR or known[key].better == "lower"

@@ -3,26 +3,25 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from lpcompare.benchmark.record import Run, load_run
 from lpcompare.errors import UnknownName
 from lpcompare.files import replace_text
-from lpcompare.report.agreement import agreement_table, rank_table
-from lpcompare.report.cells import Cell, clean_cells, distinct, gather_cells
-from lpcompare.report.charts import choose_reference, collect_charts
+from lpcompare.report.cells import ERROR, RUNTIME, cells, choose_reference, clean, columns
+from lpcompare.report.charts import collect_charts, collect_perturbations
 from lpcompare.report.clouds3d import collect_views, one_cloud
-from lpcompare.report.columns import ERROR, RUNTIME, Heading, headings
-from lpcompare.report.damage import collect_damage
 from lpcompare.report.findings import summarize
-from lpcompare.report.wording import number, percent, quantity, tau
-from lpcompare.types import PointCloud
+from lpcompare.report.ranks import agreement_table, rank_over_models
+from lpcompare.report.tables import number, percent, quantity
+from lpcompare.types import Column, PointCloud
 
 MAIN_COLUMNS = ("n_output", ERROR, "plane_error_max_pct", "hausdorff_pct", RUNTIME, "peak_memory_mib")
 """Columns of the table that show at first; the others are one click away."""
@@ -73,71 +72,54 @@ def write_view(cloud: PointCloud, out: Path) -> Path:
     Path
         The file written.
     """
-    view = one_cloud(cloud)
-    title = cloud.name or "point cloud"
-    replace_text(
-        out,
-        _render(
-            "view.html", {"title": title, "views": [view], "scripts": ("theme", "decode", "views", "start")}
-        ),
-    )
+    context = {"title": cloud.name or "point cloud", "views": [one_cloud(cloud)]}
+    replace_text(out, _render("view.html", context | {"scripts": ("theme", "decode", "views", "start")}))
     return out
 
 
 def page_context(run: Run, reference: str = "") -> dict[str, Any]:
     """What the template shows of a run; raises `UnknownName` for a reference that is not in it."""
-    cells = gather_cells(run.records)
-    clean = clean_cells(cells)
-    methods = distinct(cells, "method")
-    if reference and reference not in methods:
-        raise UnknownName("method of this run", reference, methods)
-    known = headings({key for cell in cells for key in cell.values})
+    table = cells(run.frame)
+    if reference and reference not in table.label.unique():
+        raise UnknownName("method of this run", reference, list(table.label.unique()))
+    known, plain = columns(table), clean(table)
+    order = ["missing", "input", "reduction", ERROR]
     return {
-        "title": run.plan.get("title") or _models(clean),
-        "subject": _models(clean),
+        "title": run.plan.get("title") or _models(plain),
+        "subject": _models(plain),
         "run": run,
-        "cells": sorted(cells, key=_by_error),
+        "cells": table.assign(missing=table.n_ok.eq(0)).sort_values(order, kind="stable").to_dict("records"),
         "headings": known,
         "main_columns": [key for key in MAIN_COLUMNS if key in known],
-        "models": distinct(cells, "model"),
-        "reductions": sorted(distinct(cells, "reduction")),
-        "several_repeats": any(sum(cell.statuses.values()) > 1 for cell in cells),
-        "summary": summarize(cells),
-        "troubles": [cell for cell in cells if cell.message],
-        "settings": _settings(cells),
-        "ranking": rank_table(clean, known),
-        "agreement": agreement_table(clean, known),
-        "charts": collect_charts(cells, known, reference or choose_reference(cells)),
-        "damage": collect_damage(run.records),
-        "views": collect_views(run, cells),
-        "scripts": ("theme", "table", "charts", "damage", "decode", "views", "start"),
+        "models": list(table.input.unique()),
+        "reductions": sorted(table.reduction.unique()),
+        "several_repeats": bool(table.n_repeats.gt(1).any()),
+        "summary": summarize(table),
+        "troubles": table[table.message.ne("")].to_dict("records"),
+        "settings": _settings(table),
+        "ranking": rank_over_models(plain) if plain.input.nunique() > 1 else None,
+        "agreement": agreement_table(plain, known).to_dict("records"),
+        "charts": collect_charts(table, known, reference or choose_reference(table)),
+        "perturbations": collect_perturbations(run.frame),
+        "views": collect_views(run, table),
+        "scripts": ("theme", "table", "charts", "perturbations", "decode", "views", "start"),
     }
 
 
-def _models(cells: Sequence[Cell]) -> str:
-    models = distinct(cells, "model")
-    if not models:
+def _models(table: pd.DataFrame) -> str:
+    models = table.input.unique()
+    if not len(models):
         return "An empty run"
     return models[0] if len(models) == 1 else f"{models[0]} and {len(models) - 1} more"
 
 
-def _by_error(cell: Cell) -> tuple[bool, str, float, float]:
-    """Models and reductions together, lowest error first, cells without a result last."""
-    return (
-        not cell.ok,
-        cell.model,
-        cell.reduction,
-        cell.values[ERROR].median if ERROR in cell.values else math.inf,
-    )
-
-
-def _settings(cells: Sequence[Cell]) -> dict[str, list[tuple[str, str, Mapping[str, Any]]]]:
+def _settings(table: pd.DataFrame) -> dict[str, list[tuple[str, str, Mapping[str, Any]]]]:
     """Method -> its effective settings, once for every time they change from one cell to the next."""
     found: dict[str, list[tuple[str, str, Mapping[str, Any]]]] = {}
-    for cell in cells:
-        seen = found.setdefault(cell.method, [])
-        if cell.settings and all(cell.settings != settings for _, _, settings in seen):
-            seen.append((cell.model, percent(cell.reduction), cell.settings))
+    for cell in table.to_dict("records"):
+        seen = found.setdefault(cell["label"], [])
+        if cell["settings"] and all(cell["settings"] != settings for _, _, settings in seen):
+            seen.append((cell["input"], percent(cell["reduction"]), cell["settings"]))
     return {method: seen for method, seen in found.items() if seen}
 
 
@@ -149,15 +131,19 @@ def _render(template: str, context: Mapping[str, Any]) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= {"number": number, "percent": percent, "rank": "{:.1f}".format, "tau": tau}
+    environment.filters |= {"number": number, "percent": percent, "rank": "{:.1f}".format, "tau": _tau}
     environment.globals |= {"quantity": quantity, "interval": _interval, "asset": _asset, "plotly": _plotly}
     return environment.get_template(template).render(context)
 
 
-def _interval(cell: Cell, key: str, heading: Heading) -> str:
+def _tau(value: float) -> str:
+    """A correlation with two decimals and a true minus sign."""
+    return "n/a" if math.isnan(value) else f"{value:.2f}".replace("-0.00", "0.00").replace("-", "−")
+
+
+def _interval(cell: Mapping[str, Any], key: str, column: Column) -> str:
     """The span of the repeats, where it is wider than what is printed."""
-    span = cell.values[key]
-    low, high = quantity(span.low, heading), quantity(span.high, heading)
+    low, high = (quantity(cell[f"{key}_{end}"], column) for end in ("low", "high"))
     return f"{low} – {high}" if low != high else ""
 
 

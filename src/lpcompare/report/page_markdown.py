@@ -1,23 +1,24 @@
-"""A run as one Markdown page: words, every metric against a reference, every model, failures."""
+"""Pages in Markdown: a run with every metric against a reference, and the methods with what each needs."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 
-import numpy as np
+import pandas as pd
 
 from lpcompare.benchmark.record import Run
 from lpcompare.files import replace_text
-from lpcompare.report.cells import Cell, distinct, gather_cells
-from lpcompare.report.charts import choose_reference
-from lpcompare.report.columns import ERROR, RUNTIME, headings, metric_keys
+from lpcompare.registry import METHODS, Registry
+from lpcompare.report.cells import ERROR, RUNTIME, cells, choose_reference, columns, mean_ratios, witnesses
 from lpcompare.report.findings import summarize
-from lpcompare.report.markdown import escape
-from lpcompare.report.wording import listing, percent, seconds
+from lpcompare.report.tables import escape_markdown as escape
+from lpcompare.report.tables import listing, markdown_table, percent, plain, seconds
+from lpcompare.types import Traits
 
 _PER_TABLE = 6
+_METHODS = ("method", "what it does", "needs", "result", "count", "attributes", "licence")
 
 
 def write_study_page(run: Run, out: Path, reference: str = "") -> Path:
@@ -36,102 +37,111 @@ def write_study_page(run: Run, out: Path, reference: str = "") -> Path:
     Path
         ``out``.
     """
-    cells = gather_cells(run.records)
-    replace_text(out, "\n".join(_lines(run, cells, reference or choose_reference(cells))) + "\n")
+    table = cells(run.frame)
+    replace_text(out, "\n".join(_lines(run, table, reference or choose_reference(table))) + "\n")
     return out
 
 
-def _lines(run: Run, cells: Sequence[Cell], reference: str) -> Iterator[str]:
-    facts = run.environment
-    yield f"# Methods compared: {escape(listing(distinct(cells, 'model')))}"
-    yield ""
-    yield f"    {facts['command']}"
-    yield ""
-    commit = facts["commit"][:12] or "of a release"
-    yield f"{facts['started'][:10]}, commit {commit}; {facts['cpu']}, {facts['cores']} cores, Python"
-    yield f"{facts['python']}. Every row is in [records.csv](records.csv), the run in [run.json](run.json)."
-    yield ""
-    yield from (f"- {escape(sentence)}" for sentence in summarize(cells))
+def method_page(methods: Registry = METHODS) -> str:
+    """The methods as Markdown: a table of flags, then what each one wraps and where it comes from.
+
+    Parameters
+    ----------
+    methods : Registry, optional
+
+    Returns
+    -------
+    str
+        Default methods first, those behind an extra after them. No method is imported.
+    """
+    names = sorted(methods, key=lambda name: (bool(methods.traits(name).extra), name))
+    rows = [(f"`{name}`", methods.summary(name), *_flags(methods.traits(name))) for name in names]
+    rows = [[cell.replace("|", "\\|") for cell in row] for row in rows]
+    lines = [
+        "# Methods",
+        "",
+        "Made from the methods' own files by `lpcompare.report.page_markdown.method_page()`.",
+    ]
+    lines += ["", *markdown_table(_METHODS, rows, "---"), "", "## What each one wraps, and its source", ""]
+    lines += [_entry(name, methods.traits(name)) for name in names]
+    return "\n".join([*lines, ""])
+
+
+def _lines(run: Run, table: pd.DataFrame, reference: str) -> Iterator[str]:
+    facts = {name: plain(value) for name, value in run.environment.items() if not isinstance(value, dict)}
+    yield f"# Methods compared: {escape(listing(list(table.input.unique())))}"
+    yield f"\n    {facts.get('command', 'The run does not say with which command it was made.')}\n"
+    commit = f", commit {escape(facts['commit'][:12])}" if facts.get("commit") else ""
+    machine = f"{escape(facts.get('cpu', 'an unknown processor'))}, {escape(facts.get('cores', '?'))} cores"
+    day, python = escape(facts.get("started", "")[:10]), escape(facts.get("python", "?"))
+    yield f"{day}{commit}; {machine}, Python {python}."
+    yield "Every case is in [records.csv](records.csv), the run in [run.json](run.json).\n"
+    yield from (f"- {escape(sentence)}" for sentence in summarize(table))
     yield ""
     if reference:
-        yield from _ratio_tables(cells, reference)
-        yield from _model_table(cells, reference)
-    yield from _troubles(cells)
+        yield from _ratio_tables(table, reference)
+        yield from _model_table(table, reference)
+    bad = table[table.n_ok.eq(0)]
+    if len(bad):
+        yield "## Cases without a result\n"
+    for cell in bad.itertuples():
+        where = f"{escape(cell.input)}, {percent(cell.reduction)}"
+        yield f"- {escape(cell.label)} on {where}: {escape(cell.status)}. {escape(cell.message)}"
 
 
-def _ratio_tables(cells: Sequence[Cell], reference: str) -> Iterator[str]:
+def _ratio_tables(table: pd.DataFrame, reference: str) -> Iterator[str]:
     """Geometric mean over all cases of each metric over the reference's, methods by metrics."""
-    known = headings({key for cell in cells for key in cell.values})
-    keys = [k for k in metric_keys(known) if known[k].better == "lower" and known[k].unit != "model units"]
-    yield f"## Every metric, as a multiple of {escape(reference)}'s"
-    yield ""
+    known = columns(table)
+    keys = [k for k in witnesses(known) if known[k].better == "lower"]
+    means, counts = mean_ratios(table, reference, keys)
+    order = means.sort_values(ERROR, kind="stable").index
+    yield f"## Every metric, as a multiple of {escape(reference)}'s\n"
     yield "Geometric mean over all models and reductions; below 1 is better; in brackets the number of cases"
-    yield "where it is fewer than elsewhere in the table."
-    yield ""
+    yield "where it is fewer than elsewhere in the table. A metric that follows from another is left out.\n"
     for start in range(0, len(keys), _PER_TABLE):
         part = keys[start : start + _PER_TABLE]
-        table = {m: [_ratios(cells, m, reference, key) for key in part] for m in _by_error(cells, reference)}
-        most = max((len(r) for row in table.values() for r in row), default=0)
-        yield from _table([known[key].title for key in part], table, most)
+        most = counts[part].max(axis=None)
+        rows = [[escape(m), *(_mean(means.at[m, k], counts.at[m, k], most) for k in part)] for m in order]
+        yield from markdown_table(["method", *(escape(known[key].title) for key in part)], rows)
+        yield ""
 
 
-def _table(titles: Sequence[str], table: dict[str, list[list[float]]], most: int) -> Iterator[str]:
-    yield f"| method | {' | '.join(escape(t) for t in titles)} |"
-    yield f"|---|{'---:|' * len(titles)}"
-    for method, row in table.items():
-        yield f"| {escape(method)} | {' | '.join(_mean(ratios, most) for ratios in row)} |"
-    yield ""
-
-
-def _mean(ratios: Sequence[float], most: int) -> str:
-    if not ratios:
-        return "-"
-    few = f" ({len(ratios)})" if len(ratios) < most else ""
-    return f"{math.exp(float(np.mean(np.log(ratios)))):.2f}{few}"
-
-
-def _ratios(cells: Sequence[Cell], method: str, reference: str, key: str) -> list[float]:
-    """The metric over the reference's, for every model and reduction where both are positive."""
-    base = {(c.model, c.reduction): c.value(key) for c in cells if c.method == reference}
-    pairs = [(c.value(key), base.get((c.model, c.reduction), math.nan)) for c in cells if c.method == method]
-    return [mine / theirs for mine, theirs in pairs if min(mine, theirs) > 0 and math.isfinite(mine)]
-
-
-def _by_error(cells: Sequence[Cell], reference: str) -> list[str]:
-    """Methods by their eq. 27 error against the reference, those without a result last."""
-    means = {m: _ratios(cells, m, reference, ERROR) for m in distinct(cells, "method")}
-    return sorted(means, key=lambda m: float(np.mean(np.log(means[m]))) if means[m] else math.inf)
-
-
-def _model_table(cells: Sequence[Cell], reference: str) -> Iterator[str]:
-    models = distinct(cells, "model")
-    rates = listing([percent(r) for r in sorted(distinct(cells, "reduction"))])
-    yield f"## Eq. 27 error by model, as a multiple of {escape(reference)}'s"
-    yield ""
+def _model_table(table: pd.DataFrame, reference: str) -> Iterator[str]:
+    models, rates = (
+        list(table.input.unique()),
+        listing([percent(r) for r in sorted(table.reduction.unique())]),
+    )
+    means = mean_ratios(table, reference, [ERROR], ["label", "input"])[0]
+    wide, times = means[ERROR].unstack(), table.groupby("label")[RUNTIME].median()
+    order = mean_ratios(table, reference, [ERROR])[0].sort_values(ERROR, kind="stable").index
+    yield f"## Plane error by model, as a multiple of {escape(reference)}'s\n"
     yield f"Geometric mean over {rates} removed; last column: median runtime over all cases. Models differ in"
-    yield "size and the machine may have been shared: runtimes are compared by a run of repeats on one model."
-    yield ""
-    yield f"| method | {' | '.join(escape(m) for m in models)} | runtime |"
-    yield f"|---|{'---:|' * (len(models) + 1)}"
-    for method in _by_error(cells, reference):
-        mine = [c for c in cells if c.method == method]
-        row = [_mean(_ratios(_of(cells, m), method, reference, ERROR), 0) for m in models]
-        times = [c.value(RUNTIME) for c in mine if RUNTIME in c.values]
-        row.append(seconds(float(np.median(times))) if times else "-")
-        yield f"| {escape(method)} | {' | '.join(row)} |"
+    yield "size and the machine may have been shared: runtimes are compared by repeats on one model.\n"
+    rows = [
+        [escape(m), *(_mean(wide.at[m, name]) for name in models), seconds(times[m]).replace("n/a", "-")]
+        for m in order
+    ]
+    yield from markdown_table(["method", *map(escape, models), "runtime"], rows)
     yield ""
 
 
-def _of(cells: Sequence[Cell], model: str) -> list[Cell]:
-    return [c for c in cells if c.model == model]
+def _mean(value: float, n: int = 0, most: int = 0) -> str:
+    return "-" if math.isnan(value) else f"{value:.2f}" + (f" ({n})" if n < most else "")
 
 
-def _troubles(cells: Sequence[Cell]) -> Iterator[str]:
-    bad = [c for c in cells if not c.ok]
-    if not bad:
-        return
-    yield "## Cases without a result"
-    yield ""
-    for cell in bad:
-        where = f"{escape(cell.model)}, {percent(cell.reduction)}"
-        yield f"- {escape(cell.method)} on {where}: {cell.status}. {escape(cell.message)}"
+def _flags(traits: Traits) -> tuple[str, ...]:
+    """One cell per flag, in the order of the header."""
+    needs = ["mesh"] * traits.needs_mesh
+    if traits.extra:
+        needs.append(f"`lpcompare[{traits.extra}]`")
+    return (
+        ", ".join(needs) or "points",
+        "new points" if traits.moves_points else "subset",
+        "exact" if traits.exact_count else "near",
+        "kept" if traits.keeps_attributes else "lost",
+        traits.licence,
+    )
+
+
+def _entry(name: str, traits: Traits) -> str:
+    return f"- `{name}`: {traits.wraps}. {traits.source}".rstrip(". ") + "."

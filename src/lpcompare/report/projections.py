@@ -9,9 +9,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from lpcompare.errors import InputError
 from lpcompare.geometry.neighbors import Neighbors
+from lpcompare.geometry.planes import fit_planes
 from lpcompare.geometry.scale import bounding_box_center
 from lpcompare.mesh_library import pymeshlab
-from lpcompare.report.shading import brightness, local_normals
 from lpcompare.report.styles import CLUSTER_COLORS, MARK_COLORS
 from lpcompare.types import Points, Vector
 
@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 VIEW = (15.0, 12.0)
 """Direction from which things are seen: degrees to the right of the front, degrees above."""
 
+_N_NEIGHBORS = 12
+_BLOCK = 65536
 _LIGHT = np.array([-0.35, 0.5, 0.8]) / np.linalg.norm([-0.35, 0.5, 0.8])
 _AMBIENT = 0.35
 _RADII = (0.9, 1.8, 2.7, 4.05)
@@ -134,6 +136,34 @@ def draw_mesh(
     _frame(axes)
 
 
+def local_normals(points: Points) -> Points:
+    """Unit normals (n, 3) of the plane through the neighbours of each point; their sign is arbitrary."""
+    if len(points) < 3:
+        return np.tile([0.0, 0.0, 1.0], (len(points), 1))
+    centred = points - bounding_box_center(points)
+    normals, tree = np.empty(points.shape), Neighbors(centred)
+    for start in range(0, len(points), _BLOCK):
+        block = slice(start, start + _BLOCK)
+        normals[block] = fit_planes(centred[tree.query(centred[block], _N_NEIGHBORS)[1]])[1]
+    return normals
+
+
+def brightness(normals: Points, light: Vector) -> Vector:
+    """From 0 to 1 (n,): how squarely each surface faces a light from a unit direction, on either side."""
+    return np.abs(normals @ light)
+
+
+def up_axis(points: Points) -> str:
+    """The axis to draw upright: z for a cloud that is flat in x and y, as scanned ground is; y otherwise."""
+    x, y, z = np.ptp(points, axis=0)
+    return "z" if z < 0.5 * min(x, y) else "y"
+
+
+def scale_top(values: ArrayLike) -> float:
+    """The value at the top of a colour scale: the 99th percentile; no single point takes all colours."""
+    return float(np.percentile(values, 99))
+
+
 def triangulate(points: Points) -> NDArray[np.intp]:
     """Triangles through points alone: MeshLab's ball pivoting with balls of growing size.
 
@@ -211,7 +241,7 @@ def _point_colors(
         mappable = ScalarMappable(Normalize(0, 1), ListedColormap([plain]))
         return mappable.to_rgba(np.zeros(n)), mappable
     if values is not None:
-        low, high = limits or (0.0, float(np.percentile(given[0], 99)))
+        low, high = limits or (0.0, scale_top(given[0]))
         mappable = ScalarMappable(Normalize(low, max(high, low + 1e-300)), colormaps[colormap])
     elif labels is not None:
         given = [given[0] % len(CLUSTER_COLORS)]

@@ -7,31 +7,30 @@ multiple data sets", JMLR 7 (2006). Repeats of one model are not independent mod
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from scipy.stats import friedmanchisquare, kendalltau, rankdata, studentized_range
+import pandas as pd
+from scipy.stats import friedmanchisquare, kendalltau, studentized_range
 
-from lpcompare.report.cells import Cell, distinct
-from lpcompare.report.columns import Heading
+from lpcompare.report.cells import ERROR, witnesses
+from lpcompare.types import Column
 
 SIGNIFICANCE = 0.05
 _FEWEST_MODELS = 3
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Ranking:
     """Mean ranks of the methods over blocks.
 
     Attributes
     ----------
-    methods : tuple of str
-        Best first.
-    mean_ranks : tuple of float
-        1 is best.
-    blocks : tuple of str
+    ranks : Series
+        Method -> mean rank, best first; 1 is best.
+    n_blocks : int
         What was ranked over.
     left_out : tuple of str
         Methods without a value in every block.
@@ -41,9 +40,8 @@ class Ranking:
         Mean ranks farther apart than this differ at 5 % (Nemenyi); NaN likewise.
     """
 
-    methods: tuple[str, ...]
-    mean_ranks: tuple[float, ...]
-    blocks: tuple[str, ...]
+    ranks: pd.Series
+    n_blocks: int
     left_out: tuple[str, ...]
     p_value: float = math.nan
     critical_difference: float = math.nan
@@ -53,81 +51,89 @@ class Ranking:
         """Friedman's test sees a difference at 5 %."""
         return self.p_value < SIGNIFICANCE
 
+    @property
+    def leaders(self) -> tuple[str, ...]:
+        """The methods that share the best mean rank."""
+        return tuple(self.ranks.index[self.ranks.eq(self.ranks.min())])
 
-def rank_over_models(cells: Sequence[Cell], heading: Heading) -> Ranking:
-    """Rank the methods on each model by the geometric mean of a column over the reductions, and test."""
-    scores: dict[str, dict[str, float]] = {}
-    reductions = distinct(cells, "reduction")
-    for model in distinct(cells, "model"):
-        for method in distinct(cells, "method"):
-            values = [c.value(heading.key) for c in cells if (c.model, c.method) == (model, method)]
-            if len(values) == len(reductions) and np.isfinite(values).all():
-                scores.setdefault(model, {})[method] = _typical(values)
-    return _rank(scores, distinct(cells, "method"), heading, test=True)
+    @property
+    def worse(self) -> list[str]:
+        """The methods that differ from the first, where the test sees a difference."""
+        limit = self.ranks.min() + self.critical_difference
+        return list(self.ranks.index[self.ranks > limit]) if self.decided else []
 
 
-def rank_over_cells(cells: Sequence[Cell], heading: Heading) -> Ranking:
-    """Rank the methods on each model and reduction; cells of one model are related, so nothing is tested."""
-    scores: dict[str, dict[str, float]] = {}
-    for cell in cells:
-        if heading.key in cell.values:
-            block = f"{cell.model} {cell.reduction:g}"
-            scores.setdefault(block, {})[cell.method] = cell.value(heading.key)
-    return _rank(scores, distinct(cells, "method"), heading, test=False)
+def rank_over_models(table: pd.DataFrame, key: str = ERROR, column: Column | None = None) -> Ranking:
+    """Rank the methods on each input by the geometric mean of a column over the reductions, and test."""
+    scores = _scores(table, key).groupby(level="input", sort=False).agg(_typical)
+    return _rank(scores, column, test=True)
+
+
+def rank_over_cells(table: pd.DataFrame, key: str = ERROR, column: Column | None = None) -> Ranking:
+    """Rank on each input and reduction; cells of one input are related, so nothing is tested."""
+    return _rank(_scores(table, key), column, test=False)
 
 
 def agreement(ranking: Ranking, other: Ranking) -> float:
     """Kendall's tau-b between two rankings over the methods that both hold; NaN with fewer than two."""
-    shared = [method for method in ranking.methods if method in other.methods]
-    if len(shared) < 2:
+    both = pd.concat([ranking.ranks, other.ranks], axis=1, join="inner").to_numpy()
+    if len(both) < 2 or (both == both[0]).all(axis=0).any():
         return math.nan
-    ranks = [dict(zip(r.methods, r.mean_ranks, strict=True)) for r in (ranking, other)]
-    columns = [[r[method] for method in shared] for r in ranks]
-    if any(len(set(column)) == 1 for column in columns):
-        return math.nan
-    return float(kendalltau(*columns)[0])  # pyright: ignore[reportArgumentType]
+    return float(kendalltau(*both.T)[0])  # pyright: ignore[reportArgumentType]
 
 
 def reversals(ranking: Ranking, other: Ranking) -> list[tuple[str, str]]:
     """Neighbours in the first ranking, better one first, that the second ranking orders the other way."""
-    rank = dict(zip(other.methods, other.mean_ranks, strict=True))
-    shared = [method for method in ranking.methods if method in rank]
-    return [(a, b) for a, b in pairwise(shared) if rank[a] > rank[b]]
+    shared = [method for method in ranking.ranks.index if method in other.ranks]
+    return [(a, b) for a, b in pairwise(shared) if other.ranks[a] > other.ranks[b]]
 
 
-def _typical(values: Sequence[float]) -> float:
-    """Geometric mean, so that no reduction outweighs the others; arithmetic where a value is not positive."""
-    array = np.asarray(values)
-    return float(np.exp(np.log(array).mean())) if (array > 0).all() else float(array.mean())
+def agreement_table(table: pd.DataFrame, known: Mapping[str, Column]) -> pd.DataFrame:
+    """What each measure makes of the methods, eq. 27 first; empty with fewer than two methods to rank.
+
+    Returns
+    -------
+    DataFrame
+        One row per measure that has a direction and is no alias: ``key``, ``ranking``, ``tau`` with eq. 27,
+        and ``reversed_pairs`` of neighbours in eq. 27's ranking that this measure orders the other way.
+    """
+    first = rank_over_cells(table)
+    rankings = {key: rank_over_cells(table, key, known[key]) for key in witnesses(known)}
+    rows = [
+        {"key": k, "ranking": r, "tau": agreement(first, r), "reversed_pairs": reversals(first, r)}
+        for k, r in rankings.items()
+        if len(r.ranks) and len(first.ranks) > 1
+    ]
+    return pd.DataFrame(rows, columns=["key", "ranking", "tau", "reversed_pairs"])
 
 
-def _rank(
-    scores: Mapping[str, Mapping[str, float]], methods: Sequence[str], heading: Heading, *, test: bool
-) -> Ranking:
-    complete = [m for m in methods if scores and all(m in block for block in scores.values())]
-    left_out = tuple(m for m in methods if m not in complete)
-    if not complete:
-        return Ranking((), (), tuple(scores), left_out)
-    sign = -1.0 if heading.better == "higher" else 1.0
-    table = np.array([[sign * block[m] for m in complete] for block in scores.values()])
-    means = rankdata(table, axis=1).mean(axis=0)
-    order = np.argsort(means, kind="stable")
-    p_value, difference = _test(table) if test else (math.nan, math.nan)
-    return Ranking(
-        methods=tuple(complete[i] for i in order),
-        mean_ranks=tuple(float(means[i]) for i in order),
-        blocks=tuple(scores),
-        left_out=left_out,
-        p_value=p_value,
-        critical_difference=difference,
-    )
+def _scores(table: pd.DataFrame, key: str) -> pd.DataFrame:
+    """Inputs and reductions by methods, in the order of the cells."""
+    scores = table.set_index(["input", "reduction", "label"])[key].unstack(sort=False)
+    return scores.dropna(how="all")
 
 
-def _test(table: np.ndarray) -> tuple[float, float]:
+def _typical(values: pd.Series) -> float:
+    """Geometric mean, so that no reduction outweighs the others; arithmetic where a value is not positive.
+
+    NaN where one is missing.
+    """
+    return math.exp(np.log(values).mean(skipna=False)) if (values > 0).all() else values.mean(skipna=False)
+
+
+def _rank(scores: pd.DataFrame, column: Column | None, *, test: bool) -> Ranking:
+    complete = scores.dropna(axis=1) if len(scores) else scores.iloc[:, :0]
+    ranks = complete.rank(axis=1, ascending=column is None or column.better != "higher").mean()
+    tested = _test(complete.to_numpy()) if test else (math.nan, math.nan)
+    left_out = tuple(scores.columns.difference(complete.columns, sort=False))
+    return Ranking(ranks.sort_values(kind="stable"), len(scores), left_out, *tested)
+
+
+def _test(scores: np.ndarray) -> tuple[float, float]:
     """Friedman's p and Nemenyi's critical difference of a table (blocks, methods)."""
-    n_blocks, n_methods = table.shape
-    if n_blocks < _FEWEST_MODELS or n_methods < 3 or (table == table[:, :1]).all():
+    n_blocks, n_methods = scores.shape
+    if n_blocks < _FEWEST_MODELS or n_methods < 3 or (scores == scores[:, :1]).all():
         return math.nan, math.nan
-    p_value = float(friedmanchisquare(*table.T).pvalue)
+    p_value = float(friedmanchisquare(*scores.T).pvalue)
     quantile = float(studentized_range.ppf(1 - SIGNIFICANCE, n_methods, math.inf)) / math.sqrt(2)
     return p_value, quantile * math.sqrt(n_methods * (n_methods + 1) / (6 * n_blocks))

@@ -13,12 +13,18 @@ from made_runs import dented_sphere
 from lpcompare.benchmark.record import load_run
 from lpcompare.errors import InputError
 from lpcompare.mesh_library import pymeshlab
-from lpcompare.report.cell_table import write_csv
 from lpcompare.report.figures import FORMATS, write_figures
-from lpcompare.report.latex import escape as escape_latex
-from lpcompare.report.latex import write_latex
-from lpcompare.report.markdown import write_markdown
 from lpcompare.report.meshlab_project import write_project
+from lpcompare.report.tables import (
+    NARROW,
+    escape_cell,
+    escape_latex,
+    format_run,
+    plain,
+    write_csv,
+    write_latex,
+    write_markdown,
+)
 
 
 def test_csv_has_a_row_per_cell_with_the_median_of_the_repeats(plain_run, tmp_path):
@@ -67,7 +73,7 @@ def test_every_figure_is_written_in_every_format(plain_run, tmp_path):
     assert all(p.read_bytes().startswith(heads[p.suffix]) for p in paths)
 
 
-def test_damaged_inputs_have_a_figure_of_their_own(new_run, tmp_path):
+def test_perturbed_inputs_have_a_figure_of_their_own(new_run, tmp_path):
     new_run.model("dented", dented_sphere(300))
     new_run.case("dented", "random_sample", 0.8)
     new_run.records += [
@@ -75,7 +81,7 @@ def test_damaged_inputs_have_a_figure_of_their_own(new_run, tmp_path):
         for kind in ("noise", "missing")
     ]
     names = {path.stem for path in write_figures(load_run(new_run.write()), tmp_path)}
-    assert "dented-damage-0.8" in names
+    assert "dented-perturbed-0.8" in names
 
 
 def test_a_run_without_results_or_clouds_has_the_figures_that_it_can(plain_run, new_run, tmp_path):
@@ -118,3 +124,63 @@ def test_a_project_without_clouds_is_refused(plain_run, tmp_path):
     shutil.copy(plain_run / "run.json", tmp_path / "run.json")
     with pytest.raises(InputError, match="no clouds"):
         write_project(load_run(tmp_path), tmp_path / "mlp")
+
+
+def test_one_result_is_visible_beside_the_original(plain_run, tmp_path):
+    (project,) = write_project(load_run(plain_run), tmp_path / "mlp")
+    layers = ElementTree.parse(project).iter("MLMesh")
+    visible = [layer.get("label") for layer in layers if layer.get("visible") == "1"]
+    assert visible == ["dented", "moved_points 90 % removed"], "the lowest error at the largest reduction"
+
+
+def test_printed_tables_fit_a_narrow_terminal_and_name_what_did_not_end(plain_run):
+    text = format_run(load_run(plain_run))
+    assert max(map(len, text.splitlines())) <= NARROW
+    assert "dented: 80 % removed, 300 of 1,500 points asked" in text
+    for word in ("failed", "timeout", "skipped", "SIGABRT", "Stopped after 300 s.", "no faces"):
+        assert word in text
+
+
+def test_a_wider_terminal_is_given_longer_names(new_run):
+    new_run.model("m", dented_sphere(200))
+    label = "random_sample " + "setting=1 " * 9
+    new_run.case("m", "random_sample", 0.8, label=label.strip())
+    run = load_run(new_run.write())
+    assert label.strip() not in format_run(run)
+    assert label.strip() in format_run(run, 200)
+
+
+@pytest.mark.parametrize("start", ["=", "+", "-", "@", " =", "\t="])
+def test_no_cell_is_read_as_a_formula(start):
+    assert escape_cell(f"{start}1+1").startswith("'")
+    assert escape_cell("plain") == "plain"
+    assert escape_cell(-1.5) == -1.5
+
+
+def test_names_from_outside_move_no_cursor_and_open_no_formula(new_run, tmp_path):
+    evil = "=cmd|' /C calc'!A0\x1b[2J\x1b]0;title\x07\r\n"
+    new_run.model("m", dented_sphere(200))
+    new_run.case("m", "random_sample", 0.8, label=evil)
+    new_run.trouble("m", evil + "2", 0.8, "failed", "\x1b[31m" + evil)
+    run = load_run(new_run.write())
+    texts = [format_run(run), write_markdown(run, tmp_path / "t.md").read_text()]
+    texts += [
+        write_latex(run, tmp_path / "t.tex").read_text(),
+        write_csv(run, tmp_path / "t.csv").read_text(),
+    ]
+    assert not any("\x1b" in text or "\r" in text or "\x07" in text for text in texts)
+    with (tmp_path / "t.csv").open(newline="") as file:
+        assert all(row["method"].startswith("'=cmd") for row in csv.DictReader(file))
+    assert plain("a\x1b[2Jb\nc") == "ab c"
+
+
+def test_a_file_outside_the_runs_folder_is_not_read(plain_run, tmp_path):
+    shutil.copytree(plain_run, tmp_path / "run")
+    secret = tmp_path / "secret.npz"
+    shutil.copy(plain_run / "clouds" / "dented.npz", secret)
+    document = (tmp_path / "run" / "run.json").read_text()
+    for name in ("../secret.npz", str(secret)):
+        moved = document.replace("clouds/dented.npz", name)
+        (tmp_path / "run" / "run.json").write_text(moved)
+        with pytest.raises(InputError, match="no clouds"):
+            write_project(load_run(tmp_path / "run"), tmp_path / "mlp")

@@ -6,7 +6,7 @@ import sys
 import pytest
 
 from lpcompare.registry import METHODS
-from lpcompare.report.method_table import method_page
+from lpcompare.report.page_markdown import method_page
 
 
 @pytest.fixture(scope="module")
@@ -19,11 +19,11 @@ def test_every_method_has_a_row_and_a_source(name, page):
     row = next(line for line in page.splitlines() if line.startswith(f"| `{name}` |"))
     traits = METHODS.traits(name)
     cells = [cell.strip() for cell in row.strip("|").split(" | ")]
-    assert len(cells) == 8
+    assert len(cells) == 7
     assert cells[3] == ("new points" if traits.moves_points else "subset")
     assert cells[4] == ("exact" if traits.exact_count else "near")
     assert ("mesh" in cells[2].split(", ")) == traits.needs_mesh
-    assert cells[7] == traits.licence
+    assert cells[6] == traits.licence
     assert f"- `{name}`: {traits.wraps}." in page
 
 
@@ -33,7 +33,7 @@ def test_at_least_fourteen_methods_need_no_extra():
 
 def test_the_page_imports_no_rival():
     code = (
-        "import sys; from lpcompare.report.method_table import method_page; method_page(); "
+        "import sys; from lpcompare.report.page_markdown import method_page; method_page(); "
         "rivals = 'pymeshlab', 'fast_simplification', 'CGAL', 'open3d', 'cvxpy'; "
         "print([name for name in rivals if name in sys.modules])"
     )

@@ -10,7 +10,19 @@ FACTS = {"command": "lpcompare run", "started": STARTED, "commit": "", "cpu": "a
 def record(method, model, error, status="ok", message=""):
     metrics = {"plane_error_pct": error} if status == "ok" else {}
     return Record(
-        model, method, 0.8, 100, 20, 0, 0, status, message, n_output=20, runtime_s=0.5, metrics=metrics
+        model,
+        method,
+        0.8,
+        100,
+        20,
+        0,
+        0,
+        status,
+        message,
+        n_output=20,
+        runtime_s=0.5,
+        variant=method,
+        metrics=metrics,
     )
 
 

@@ -9,8 +9,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from lpcompare.errors import InputError
-from lpcompare.report.projections import draw_cloud, draw_mesh, project, triangulate
-from lpcompare.report.shading import local_normals
+from lpcompare.report.projections import draw_cloud, draw_mesh, local_normals, project, triangulate
 
 
 @given(st.floats(-180, 180), st.floats(-80, 80), st.sampled_from(["y", "z"]))

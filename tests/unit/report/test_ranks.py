@@ -2,22 +2,31 @@
 
 import math
 
+import pandas as pd
 import pytest
+from frames import record, table_of
 
-from lpcompare.report.cells import Cell, Interval
-from lpcompare.report.columns import Heading
-from lpcompare.report.ranks import Ranking, agreement, rank_over_cells, rank_over_models, reversals
-
-ERROR = Heading("e", "Error")
+from lpcompare.report.cells import columns
+from lpcompare.report.ranks import (
+    Ranking,
+    agreement,
+    agreement_table,
+    rank_over_cells,
+    rank_over_models,
+    reversals,
+)
+from lpcompare.types import Column
 
 
 def cells(table, reduction=0.9):
     """Cells from {model: {method: error}}."""
-    return [
-        Cell(model, method, reduction, 100, 10, {"ok": 1}, values={"e": Interval.of([error])})
-        for model, row in table.items()
-        for method, error in row.items()
-    ]
+    return table_of(
+        *(
+            record(method, reduction, error=error, model=model)
+            for model, row in table.items()
+            for method, error in row.items()
+        )
+    )
 
 
 # Demsar (2006), table 6: AUC of C4.5 and three variants on 14 data sets, as published.
@@ -33,9 +42,8 @@ DEMSAR = [
 def test_ranks_and_critical_difference_of_the_textbook_example():
     names = ("C4.5", "C4.5+m", "C4.5+cf", "C4.5+m+cf")
     table = {f"set {i}": dict(zip(names, row, strict=True)) for i, row in enumerate(DEMSAR)}
-    ranking = rank_over_models(cells(table), Heading("e", "AUC", better="higher"))
-    ranks = dict(zip(ranking.methods, ranking.mean_ranks, strict=True))
-    assert ranks == pytest.approx(
+    ranking = rank_over_models(cells(table), column=Column("", "AUC", better="higher"))
+    assert ranking.ranks.to_dict() == pytest.approx(
         {"C4.5": 3.143, "C4.5+m": 2.000, "C4.5+cf": 2.893, "C4.5+m+cf": 1.964}, abs=1e-3
     )
     assert ranking.critical_difference == pytest.approx(2.569 * math.sqrt(4 * 5 / (6 * 14)), rel=1e-3)
@@ -43,29 +51,30 @@ def test_ranks_and_critical_difference_of_the_textbook_example():
 
 
 def test_a_method_without_every_model_is_left_out_by_name():
-    ranking = rank_over_models(cells({"a": {"x": 1, "y": 2}, "b": {"x": 1}}), ERROR)
-    assert ranking.methods == ("x",)
+    ranking = rank_over_models(cells({"a": {"x": 1, "y": 2}, "b": {"x": 1}}))
+    assert list(ranking.ranks.index) == ["x"]
     assert ranking.left_out == ("y",)
 
 
 def test_a_method_that_misses_a_reduction_is_left_out():
-    both = cells({"a": {"x": 1, "y": 2}}, 0.8) + cells({"a": {"x": 1}}, 0.9)
-    assert rank_over_models(both, ERROR).left_out == ("y",)
+    both = pd.concat([cells({"a": {"x": 1, "y": 2}}, 0.8), cells({"a": {"x": 1}}, 0.9)])
+    assert rank_over_models(both).left_out == ("y",)
 
 
 def test_two_models_are_ranked_and_not_tested():
-    ranking = rank_over_models(cells({m: {"x": 1, "y": 2, "z": 3} for m in "ab"}), ERROR)
-    assert ranking.mean_ranks == (1.0, 2.0, 3.0)
+    ranking = rank_over_models(cells({m: {"x": 1, "y": 2, "z": 3} for m in "ab"}))
+    assert ranking.ranks.to_list() == [1.0, 2.0, 3.0]
     assert math.isnan(ranking.p_value)
     assert not ranking.decided
 
 
 def test_no_cells_rank_nobody():
-    assert rank_over_cells([], ERROR).methods == ()
+    assert rank_over_cells(table_of()).ranks.empty
+    assert rank_over_models(table_of()).ranks.empty
 
 
 def ranked(*methods):
-    return Ranking(methods, tuple(range(1, len(methods) + 1)), (), ())
+    return Ranking(pd.Series(range(1, len(methods) + 1), methods, dtype=float), 1, ())
 
 
 def test_agreement_is_one_for_the_same_order_and_minus_one_for_the_reverse():
@@ -77,3 +86,19 @@ def test_agreement_is_one_for_the_same_order_and_minus_one_for_the_reverse():
 def test_reversals_name_neighbours_that_swap():
     assert reversals(ranked("a", "b", "c"), ranked("b", "a", "c")) == [("a", "b")]
     assert reversals(ranked("a", "b"), ranked("a", "b")) == []
+
+
+def test_measures_are_set_beside_eq_27_and_an_alias_is_not_counted():
+    metrics = {"a": {"hausdorff_pct": 2.0, "twin": 2.0}, "b": {"hausdorff_pct": 1.0, "twin": 1.0}}
+    table = table_of(*(record(m, error=e, metrics=metrics[m]) for m, e in (("a", 1), ("b", 2))))
+    known = columns(table) | {"twin": Column("", "Twin", alias="hausdorff_pct")}
+    found = agreement_table(table, known).set_index("key")
+    assert list(found.index) == ["plane_error_pct", "hausdorff_pct"]
+    assert found.tau.to_list() == [1, -1]
+    assert found.reversed_pairs["hausdorff_pct"] == [("a", "b")]
+
+
+def test_the_methods_that_differ_from_the_first_are_named():
+    ranking = Ranking(pd.Series({"a": 1.0, "b": 1.5, "c": 3.0}), 9, (), 0.01, 1.0)
+    assert ranking.worse == ["c"]
+    assert ranking.leaders == ("a",)

@@ -192,7 +192,7 @@ function drawCharts() {
     drawCurves("chart-count", "n_output", measure, []),
     drawRatio(measure),
     drawStages(),
-    damageCharts().length ? drawDamage() : null,
+    perturbationCharts().length ? drawPerturbations() : null,
   ]);
 }
 
@@ -206,7 +206,7 @@ function toggleMethod(button) {
 
 // One method at full strength and the others faint; all alike with no method.
 function pickOut(method) {
-  for (const id of ["chart-runtime", "chart-count", "chart-ratio", ...damageCharts().map((chart) => chart.id)]) {
+  for (const id of ["chart-runtime", "chart-count", "chart-ratio", ...perturbationCharts().map((chart) => chart.id)]) {
     const { data } = document.getElementById(id);
     const faint = (trace) => method !== null && trace.name !== escapeText(method);
     if (data) Plotly.restyle(id, { opacity: data.map((trace) => (faint(trace) ? 0.12 : 1)) });
@@ -235,7 +235,7 @@ function startCharts() {
   if (!document.getElementById("chart-runtime")) return;
   charts = JSON.parse(document.getElementById("chart-data").textContent);
   startLegend();
-  if (damageCharts().length) startDamage();
+  if (perturbationCharts().length) startPerturbations();
   const height = 130 + 20 * Object.keys(charts.methods).length + 8 * charts.stages.length;
   for (const tall of document.querySelectorAll(".chart.tall")) tall.style.height = `${Math.max(300, height)}px`;
   for (const id of ["chart-model", "chart-measure", "chart-reference", "chart-reduction"]) {

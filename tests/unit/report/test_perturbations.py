@@ -1,34 +1,37 @@
-"""Errors against damage: the curves, who suffers, and the paper's claim of robustness."""
+"""Errors against perturbations: the curves, who suffers, and the paper's claim of robustness."""
 
 from dataclasses import replace
 
+import pandas as pd
 import pytest
+from frames import record as made
+from frames import run_of
 
 from lpcompare.benchmark.perturbation import LARGEST_LEVEL
-from lpcompare.benchmark.record import Record
-from lpcompare.report.damage import LEVELS, collect_damage, damage_curves
-from lpcompare.report.damage_table import format_damage
+from lpcompare.report.cells import LEVELS, perturbation_curves
+from lpcompare.report.charts import collect_perturbations
+from lpcompare.report.tables import NARROW, format_run
 
 
 def record(method, kind, level, error, status="ok"):
-    metrics = {"plane_error_pct": error}
-    return Record(
-        "ball", method, 0.8, 100, 20, 0, 0, status,
-        variant=method, perturbation=kind, perturbation_level=level, metrics=metrics,
+    return made(
+        method, 0.8, status=status, error=error, model="ball", perturbation=kind, perturbation_level=level,
+        metrics={"plane_error_pct": error},
     )  # fmt: skip
 
 
 def run_with(kind, printed, others):
-    """Every method at 0.1 % on the clean cloud and at ``growth`` times that with the damage."""
+    """Every method at 0.1 % on the clean cloud and at ``growth`` times that on the perturbed one."""
     growths = {"lp_printed": printed, **{f"other_{i}": g for i, g in enumerate(others)}}
     rows = [record(name, "none", 0.0, 0.1) for name in growths]
     return rows + [record(name, kind, 0.5, 0.1 * growth) for name, growth in growths.items()]
 
 
 def text_of(records):
-    (table,) = format_damage(records)
-    assert max(map(len, table.splitlines())) <= 100
-    return " ".join(table.split())
+    """The table of the perturbed inputs, which stands between that of the clean ones and the legend."""
+    text = format_run(run_of(records))
+    assert max(map(len, text.splitlines())) <= NARROW
+    return " ".join(text.split("\n\n")[1].split())
 
 
 @pytest.mark.parametrize("kind", ["noise", "outliers"])
@@ -64,20 +67,25 @@ def test_a_failed_case_has_no_growth_and_is_not_counted():
 
 def test_curves_start_at_the_clean_cloud_and_average_the_seeds():
     rows = [*run_with("noise", 1.5, []), record("lp_printed", "noise", 0.5, 0.25)]
-    assert damage_curves(rows, "ball", 0.8, "noise") == {"lp_printed": {0.0: 0.1, 0.5: pytest.approx(0.2)}}
+    curves = perturbation_curves(run_of(rows).frame)
+    assert curves.loc[("ball", 0.8, "noise", "lp_printed")].to_dict() == {0.0: 0.1, 0.5: pytest.approx(0.2)}
+
+
+def test_nothing_perturbed_has_no_curve():
+    assert perturbation_curves(run_of(run_with("noise", 1.5, [])[:1]).frame).equals(pd.DataFrame())
 
 
 def test_the_page_is_given_the_curves_without_what_has_no_result_and_who_saw_no_outlier():
     rows = [*run_with("outliers", 1.5, [2.0]), record("crasher", "outliers", 0.5, 0.1, status="failed")]
     rows = [replace(r, needs_mesh=r.method == "other_0") for r in rows]
-    shown = collect_damage(rows)
+    shown = collect_perturbations(run_of(rows).frame)
     (panel,) = shown["panels"]
     assert panel["curves"]["lp_printed"] == [(0.0, 0.1), (0.5, pytest.approx(0.15))]
     assert panel["curves"].keys() == {"lp_printed", "other_0"}
     assert (shown["models"], shown["reductions"], list(shown["kinds"])) == (["ball"], [0.8], ["outliers"])
     assert shown["blind"] == ["other_0"]
-    assert collect_damage(rows[:2])["panels"] == []
+    assert collect_perturbations(run_of(rows[:2]).frame)["panels"] == []
 
 
-def test_every_kind_of_damage_has_a_caption():
+def test_every_kind_of_perturbation_has_a_caption():
     assert LEVELS.keys() == LARGEST_LEVEL.keys() - {"none"}
