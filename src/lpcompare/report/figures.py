@@ -257,7 +257,7 @@ def _perturbation_figures(run: Run) -> Iterator[tuple[str, Figure]]:
             for method, curve in group.loc[(model, reduction, kind)].iterrows():
                 look = {"color": styles[str(method)].color, "marker": styles[str(method)].marker}
                 axes.plot(curve.dropna(), label=plain_text(str(method)), lw=0.8, ms=5, **look)
-            axes.set_xlabel(LEVELS.get(kind, kind).replace(": ", "\n"))
+            axes.set_xlabel(LEVELS.get(kind, str(kind)).replace(": ", "\n"))
             axes.grid(alpha=0.3)
         if group.min(axis=None) > 0:
             _logarithmic(panels[0], "y")
