@@ -29,8 +29,8 @@ _AXIS_NAMES = (
         "point{a}",
         "points{a}",
         "cartesian{a}",
-        "points{i}",
         "pointsmxyz{i}",
+        "points{i}",
         "xyz{i}",
     ),
 )
@@ -113,14 +113,16 @@ def cloud_of(
     Damaged
         No coordinates among the names, or no points.
     """
-    roles = find_roles(
-        name for name, values in columns.items() if values.ndim == 1 and values.dtype.kind in "iuf"
-    )
+    roles = find_roles(name for name, values in columns.items() if values.ndim == 1)
     if "points" not in roles:
         names = ", ".join(map(repr, list(columns)[:20]))
         raise Damaged(
             f"none of its columns are named x, y and z, only {names or 'none'}; name the coordinates so"
         )
+    wrong = {role: [n for n in names if columns[n].dtype.kind not in "iuf"] for role, names in roles.items()}
+    if wrong["points"]:
+        raise Damaged(f"its column {wrong['points'][0]!r} is not made of numbers")
+    roles = {role: names for role, names in roles.items() if not wrong[role]}
     channels = {role: [columns[name] for name in names] for role, names in roles.items()}
     points = np.column_stack(channels["points"]).astype(np.float64)
     if not len(points):
@@ -159,10 +161,10 @@ def fractions(*channels: ArrayLike) -> NDArray[np.float64]:
     The scale follows from the type and from the largest value of the three colours in the whole file: bytes,
     16 bits, whole numbers up to 255 or 65535 in any type, or fractions.
     """
-    arrays = [np.asarray(channel) for channel in channels]
-    scales = [_scale(np.column_stack(arrays[:3])), *(_scale(a) for a in arrays[3:])]
-    alpha = arrays[3] / scales[1] if len(arrays) > 3 else np.ones(len(arrays[0]))
-    return np.column_stack([*(a / scales[0] for a in arrays[:3]), alpha]).astype(np.float64)
+    colors = [np.asarray(channel) for channel in channels]
+    scales = [_scale(np.column_stack(colors[:3]))] * 3 + [_scale(channel) for channel in colors[3:]]
+    columns = [np.asarray(c, dtype=np.float64) / s for c, s in zip(colors, scales, strict=True)]
+    return np.column_stack(columns if len(columns) > 3 else [*columns, np.ones(len(columns[0]))])
 
 
 def columns_of(cloud: PointCloud, normals: Sequence[str] = NORMALS) -> dict[str, NDArray[Any]]:
@@ -246,7 +248,7 @@ def _split(name: str, array: NDArray[Any], holds: Holds, notes: list[str]) -> di
     if array.ndim == 1 or holds.whole or (holds.vectors and array.ndim == 2 and array.shape[1]):
         return {name: array}
     flat = array.reshape(len(array), -1)
-    notes.append(f"attribute {name!r} is split into {flat.shape[1]} columns, {name}_0 and so on")
+    notes.append(f"attribute {name!r} is split into {flat.shape[1]} columns")
     return {f"{name}_{i}": column for i, column in enumerate(flat.T)}
 
 

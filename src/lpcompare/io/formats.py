@@ -180,7 +180,8 @@ def _sentences(path: Path) -> Iterator[None]:
     except LpcompareError:
         raise
     except Damaged as error:
-        raise InputError(f"{path} cannot be read as {kind}: {error}; is the file complete?") from error
+        reason = str(error) if str(error).endswith("?") else f"{error}."
+        raise InputError(f"{path} cannot be read as {kind}: {reason}") from error
     except OSError as error:
         raise InputError(f"{path} cannot be read: {error.strerror or 'it is damaged'}.") from error
     except MemoryError as error:

@@ -16,7 +16,7 @@ import lzf
 import numpy as np
 from numpy.typing import NDArray
 
-from lpcompare.io.columns import AXES, Holds, cloud_of, columns_of
+from lpcompare.io.columns import AXES, COLORS, Holds, cloud_of, columns_of, free_name
 from lpcompare.io.rows import Damaged, check_held, decoded, numbers
 from lpcompare.types import Indices, PointCloud
 
@@ -34,7 +34,7 @@ HOLDS = {
         colors="u1",
         vectors=True,
         unfit=r"[\s\x00-\x1f\x7f-\xa0\ud800-\udfff]|^[#%=]",
-        reserved=(*AXES, *_NORMALS, *_PACKED, "_"),
+        reserved=(*AXES, *_NORMALS, *COLORS, *_PACKED, "_"),
     )
 }
 
@@ -59,16 +59,18 @@ def read(path: Path) -> PointCloud:
     """Coordinates, normals, the packed colour as red, green, blue, alpha; every other field as it is."""
     file = _take_apart(path)
     table = _table(file)
+    fields = list(zip(file.names, file.kind.names or (), strict=True))
     columns: dict[str, NDArray[Any]] = {}
-    for name, key in zip(file.names, file.kind.names or (), strict=True):
-        if name.lower() in _PACKED and file.kind[key].itemsize == 4:
-            words = np.ascontiguousarray(table[key]).view(np.uint32)
-            channels = {"red": 16, "green": 8, "blue": 0} | ({"alpha": 24} if name.lower() == "rgba" else {})
-            columns |= {
-                channel: (words >> shift & 255).astype(np.uint8) for channel, shift in channels.items()
-            }
-        elif name != "_":
-            columns[name] = table[key]
+    for name, key in [(n, k) for n, k in fields if n.lower() in _PACKED and file.kind[k].itemsize == 4][:1]:
+        words = np.ascontiguousarray(table[key]).view(np.uint32)
+        shifts = (16, 8, 0, 24)[: len(name)]
+        columns = {
+            c: (words >> shift & 255).astype(np.uint8) for c, shift in zip(COLORS, shifts, strict=False)
+        }
+        fields.remove((name, key))
+    for name, key in fields:
+        if name != "_":
+            columns[free_name(name, columns)] = table[key]
     return cloud_of(columns, path.stem)
 
 

@@ -18,7 +18,7 @@ class Damaged(ValueError):  # noqa: N818 - it is a state of the file
 def check_held(what: str, promised: int, held: int) -> None:
     """Raise `Damaged` where a file promises more of something than it has."""
     if promised > held:
-        raise Damaged(f"it promises {promised} {what} and holds {max(held, 0)}")
+        raise Damaged(f"it promises {promised} {what} and holds {max(held, 0)}; is the file complete?")
 
 
 def check_room(what: str, promised: int, length: int, room: int) -> None:

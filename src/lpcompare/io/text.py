@@ -23,6 +23,7 @@ from lpcompare.types import Indices, PointCloud
 _SUFFIXES = (".asc", ".csv", ".pts", ".txt", ".xyz")
 _COMMENTS = (b"#", b"//", b"%")
 _BYTE_ORDER_MARK = b"\xef\xbb\xbf"
+_UTF_16 = (b"\xff\xfe", b"\xfe\xff")
 _NUMBER = re.compile(rb"\"?\s*[+-]?(\d|\.\d|nan|inf)", re.IGNORECASE)
 _DECIMAL_COMMA = re.compile(rb"\d,\d+(\s+|;)[+-]?\d+,\d")
 _MISSING = frozenset(
@@ -100,7 +101,10 @@ def _take_apart(path: Path) -> _Table:
         Decimal commas, words between the numbers, names that do not fit, or another number of rows than the
         file says.
     """
-    lines = path.read_bytes().splitlines(keepends=True)
+    content = path.read_bytes()
+    if content.startswith(_UTF_16):
+        raise Damaged("its text is UTF-16; save it as UTF-8")
+    lines = content.splitlines(keepends=True)
     rows, comment, header, count_line, odd = list[int](), b"", b"", None, -1
     for i, line in enumerate(lines):
         text = line.strip() if i else line.removeprefix(_BYTE_ORDER_MARK).strip()
@@ -203,7 +207,7 @@ def _columns(lines: list[bytes], separator: str) -> list[NDArray[Any]]:
     except Damaged:
         table = None
     with np.errstate(invalid="ignore"):
-        if table is not None and not (np.abs(table) > _LARGEST_DOUBLE).any():
+        if table is not None and not (np.abs(table) >= _LARGEST_DOUBLE).any():
             return list(table.T)
     rows = [_cells(line, separator) for line in lines]
     wrong = next((i for i, row in enumerate(rows) if len(row) != len(rows[0])), None)
@@ -217,14 +221,21 @@ def _columns(lines: list[bytes], separator: str) -> list[NDArray[Any]]:
 def _column(words: Sequence[str]) -> NDArray[Any]:
     """Whole numbers that a double would round as integers, other numbers as doubles, else words."""
     try:
-        column = np.array(["nan" if w.lower() in _MISSING else w for w in words]).astype(np.float64)
+        column = np.array(["nan" if w.lower() in _MISSING else w.replace("_", "?") for w in words]).astype(
+            float
+        )
     except ValueError:
         if any(re.fullmatch(r"[+-]?\d+,\d+", word) for word in words):
             raise Damaged(_NO_COMMAS) from None
         return np.array(words)
-    if np.abs(column).max(initial=0) > _LARGEST_DOUBLE and all(re.fullmatch(r"[+-]?\d+", w) for w in words):
-        whole = np.array([int(word) for word in words])
-        return whole if whole.dtype.kind in "iu" else column
+    if np.abs(column).max(initial=0) >= _LARGEST_DOUBLE and all(re.fullmatch(r"[+-]?\d+", w) for w in words):
+        whole = [int(word) for word in words]
+        kinds = (
+            k
+            for k in (np.int64, np.uint64)
+            if np.iinfo(k).min <= min(whole) and max(whole) <= np.iinfo(k).max
+        )
+        return np.array(whole, next(kinds, np.float64))
     return column
 
 
