@@ -14,7 +14,7 @@ import numpy as np
 from lpcompare.benchmark.case import Children
 from lpcompare.benchmark.environment import physical_memory_mib
 from lpcompare.errors import InputError, MethodError, NotApplicable
-from lpcompare.io.clouds import load_arrays, save_cloud
+from lpcompare.io.arrays import load_arrays, save_cloud
 from lpcompare.registry import Seed
 from lpcompare.threads import thread_count
 from lpcompare.types import PointCloud, Simplification
