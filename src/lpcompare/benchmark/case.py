@@ -20,32 +20,33 @@ class Request(msgspec.Struct, frozen=True):
     ----------
     record : Record
         The case, not yet run.
-    input, clean : str
-        Files of the cloud that the method is given, and of the one that its result is measured against.
-    input_sha256, clean_sha256 : str
-        Digests of these clouds: a method may have changed them.
+    input, input_sha256 : str
+        File of the cloud that the method is given, and the cloud's digest: a method may have changed it.
     output : str
         File for the result; empty where it is not kept.
     settings : mapping
         What was chosen of the method's settings.
-    entropy : list of int
+    entropy : int or list of int
         Of the method's generator.
+    clean, clean_sha256 : str
+        The same of the cloud that the result is measured against; empty where that is the input.
     metrics : list of str
     refine : bool
+        Improve a subset by swaps.
     trial : bool
         Only try whether the settings can be used: on a small cloud, then on the input.
     """
 
     record: Record
     input: str
-    clean: str
     input_sha256: str
-    clean_sha256: str
     output: str
     settings: Facts
-    entropy: list[int]
-    metrics: list[str]
-    refine: bool
+    entropy: int | list[int]
+    clean: str = ""
+    clean_sha256: str = ""
+    metrics: list[str] = []
+    refine: bool = False
     trial: bool = False
     token: str = msgspec.field(default_factory=lambda: uuid.uuid4().hex)
 

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
 
 import msgspec
 
@@ -20,7 +20,8 @@ if TYPE_CHECKING:
 SCHEMA_VERSION = 2
 
 Status = Literal["ok", "skipped", "failed", "timeout"]
-Count = Annotated[int, msgspec.Meta(ge=0, lt=2**63)]
+STATUSES: tuple[str, ...] = get_args(Status)
+Count = Annotated[int, msgspec.Meta(ge=0, le=2**62)]
 CloudFile = Annotated[str, msgspec.Meta(pattern=r"^(clouds/[^/\\\x00]+\.npz)?$")]
 Name = Annotated[str, msgspec.Meta(max_length=300)]
 Numbers = Annotated[Mapping[Name, float | None], msgspec.Meta(max_length=1000)]
@@ -123,8 +124,9 @@ class Record(msgspec.Struct, frozen=True):
         for name in _TEXTS:
             msgspec.structs.force_setattr(self, name, printable(getattr(self, name)))
         msgspec.structs.force_setattr(self, "variant", self.variant or self.method)
-        numbers = {k: math.nan if v is None else v for k, v in self.metrics.items()}
-        msgspec.structs.force_setattr(self, "metrics", numbers)
+        for name in _NESTED:
+            numbers = {k: math.nan if v is None else v for k, v in getattr(self, name).items()}
+            msgspec.structs.force_setattr(self, name, numbers)
 
     @property
     def case_id(self) -> tuple[object, ...]:

@@ -420,8 +420,8 @@ class _Runner:
         return Request(
             record=blank,
             input=str(given.path.resolve()),
-            clean=str(clean.path.resolve()),
             input_sha256=given.sha256,
+            clean=str(clean.path.resolve()) if clean is not given else "",
             clean_sha256=clean.sha256,
             output=str(result) if result else "",
             settings=case.variant.settings,

@@ -1,7 +1,7 @@
 """The child process of one case: ``python -m lpcompare.benchmark.worker FOLDER``.
 
-FOLDER/request.json says what to do and is removed at once. The answer is written whole after each step, to the
-stream that the parent reads: a metric that ends the process leaves the method's own numbers.
+FOLDER/request.json says what to do and is removed at once. The answer is written whole after each step, to
+the stream that the parent reads: a metric that ends the process leaves the method's own numbers.
 """
 
 from __future__ import annotations
@@ -190,7 +190,7 @@ def _judge(request: Request, done: tuple[PointCloud, Simplification], reply: Rep
     from lpcompare.metrics.comparison import Comparison
 
     clean, result = done
-    if request.clean_sha256 != request.input_sha256:
+    if request.clean:
         clean = _load(request.clean, request.clean_sha256)
     comparison = Comparison(clean.points, result.points)
     for name in request.metrics:
@@ -205,11 +205,12 @@ def _judge(request: Request, done: tuple[PointCloud, Simplification], reply: Rep
         reply.note(metrics={**reply.record.metrics, **values})
     if request.output:
         reply.send("the writing of the result")
-        _keep(Path(request.output), result, comparison.plane_errors(8), reply)
+        arrays = {"plane_errors": comparison.plane_errors(8).astype(np.float32)} if request.metrics else {}
+        _keep(Path(request.output), result, arrays, reply)
 
 
-def _keep(path: Path, result: Simplification, plane_errors: np.ndarray, reply: Reply) -> None:
-    arrays = {"points": result.points, "plane_errors": plane_errors.astype(np.float32)}
+def _keep(path: Path, result: Simplification, arrays: dict[str, np.ndarray], reply: Reply) -> None:
+    arrays = {"points": result.points, **arrays}
     if result.indices is not None:
         arrays["indices"] = np.asarray(result.indices)
     marks = {name: np.asarray(result.info[name]) for name in _MARKS if name in result.info}
