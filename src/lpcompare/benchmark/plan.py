@@ -157,12 +157,12 @@ class Plan:
         for perturbation in self.perturbations:
             perturbation.check()
         for seed in self.seeds:
-            check_integer("seed", seed, 0, _LARGEST_SEED)
+            check_integer("The seed", seed, 0, _LARGEST_SEED)
         for name in ("repeats", "threads", "jobs"):
-            check_integer(name, getattr(self, name), 1)
-        if not check_number("time limit in seconds", self.time_limit_s, 0, _LONGEST_S):
-            raise InputError("time limit in seconds is 0; give a number above 0.")
-        check_integer("memory limit in MiB", self.memory_limit_mib, 256)
+            check_integer(f"The number of {name}", getattr(self, name), 1)
+        if not check_number("The time limit in seconds", self.time_limit_s, 0, _LONGEST_S):
+            raise InputError("The time limit in seconds is 0; give a number above 0.")
+        check_integer("The memory limit in MiB", self.memory_limit_mib, 256)
 
 
 def seed_entropy(seed: int, repeat: int, method: str, model: str) -> list[int]:
