@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-import os
-import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from lpcompare.benchmark.case import Children
+from lpcompare.benchmark.case import Request, run_case
 from lpcompare.benchmark.environment import physical_memory_mib
+from lpcompare.benchmark.record import Record
+from lpcompare.children import Children, temporary_folder
 from lpcompare.errors import InputError, MethodError, NotApplicable
-from lpcompare.io.clouds import load_arrays, save_cloud
+from lpcompare.io.arrays import digest, load_arrays, save_cloud
 from lpcompare.registry import Seed
 from lpcompare.threads import thread_count
 from lpcompare.types import PointCloud, Simplification
@@ -67,41 +66,50 @@ def call_isolated(
     MethodError
         The method failed, crashed, or reached a limit.
     """
-    with tempfile.TemporaryDirectory(prefix="lpcompare-") as name_of_folder:
-        folder = Path(name_of_folder).resolve()
+    record = Record(
+        model=cloud.name or "cloud",
+        method=name,
+        reduction=0.0,
+        n_input=len(cloud),
+        target_count=target_count,
+        seed=0,
+        repeat=0,
+        status="failed",
+    )
+    with temporary_folder() as folder:
         save_cloud(folder / "input.npz", cloud)
-        request = {
-            "method": name,
-            "settings": dict(settings),
-            "target_count": target_count,
-            "entropy": _entropy(random_state),
-            "input": str(folder / "input.npz"),
-            "clean": str(folder / "input.npz"),
-            "output": str(folder / "output.npz"),
-            "metrics": [],
-            "parent": os.getpid(),
-            "refine": False,
-            "time_limit_s": limits.time_s,
-            "memory_limit_mib": limits.memory_mib or physical_memory_mib() * 3 // 4,
-            "threads": thread_count(),
-        }
+        request = Request(
+            record=record,
+            input=str(folder / "input.npz"),
+            input_sha256=digest(cloud),
+            output=str(folder / "output.npz"),
+            settings=dict(settings),
+            entropy=_entropy(random_state),
+        )
         (folder / "case").mkdir()
-        reply = Children().run(request, folder / "case")
-        if reply["status"] == "skipped":
-            raise NotApplicable(reply["message"])
-        if reply["status"] != "ok":
-            raise MethodError(f"{name} on {cloud.name or 'the cloud'}, {reply['status']}: {reply['message']}")
+        record = run_case(
+            Children(),
+            request,
+            folder / "case",
+            time_limit_s=limits.time_s,
+            memory_limit_mib=limits.memory_mib or physical_memory_mib() * 3 // 4,
+            threads=thread_count(),
+        ).record
+        if record.status == "skipped":
+            raise NotApplicable(record.message)
+        if record.status != "ok":
+            raise MethodError(f"{name} on {cloud.name or 'the cloud'}, {record.status}: {record.message}")
         arrays = load_arrays(folder / "output.npz")
     return Simplification(
         arrays["points"],
         arrays.get("indices"),
-        timings=reply["timings"],
-        info=reply["info"] | {key: value for key, value in arrays.items() if key not in _MARKS},
+        timings={stage: s for stage, s in record.timings.items() if s is not None},
+        info={**record.info} | {key: value for key, value in arrays.items() if key not in _MARKS},
         method=name,
-        settings=reply["settings"],
-        runtime_s=reply["runtime_s"],
-        calibration_s=reply["calibration_s"],
-        note=reply["message"],
+        settings=record.settings,
+        runtime_s=record.runtime_s,
+        calibration_s=record.calibration_s,
+        note=record.message,
     )
 
 

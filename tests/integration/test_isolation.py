@@ -34,7 +34,8 @@ def run_methods(lpcompare, cloud_file, out, methods):
         "run", "--model", cloud_file, *words, "--reduction", 0.8, "--time-limit", 10, "--memory-limit", 1024,
         "--out", out,
     )  # fmt: skip
-    assert done.returncode == 0, done.stderr
+    assert done.returncode in (0, 1), done.stderr
+    assert done.stderr == ""
     return done, load_run(out)
 
 

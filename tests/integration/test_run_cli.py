@@ -98,6 +98,7 @@ def broken_files(tmp_path):
     (tmp_path / "empty.ply").write_bytes(b"")
     (tmp_path / "truncated.ply").write_text("\n".join([*lines, "end_header", "0 0 0", "1 0"]))
     np.save(tmp_path / "nan.npy", np.array([[0.0, 0, 0], [np.nan, 1, 1]]))
+    np.save(tmp_path / "all-nan.npy", np.full((3, 3), np.nan))
     np.save(tmp_path / "flat.npy", np.zeros((4, 2)))
     (tmp_path / "file").write_text("")
     return tmp_path
@@ -115,12 +116,23 @@ def broken_files(tmp_path):
         ["--model", "sphere", "--reduction", "1.5"],
         ["--model", "sphere", "--reduction", "nan"],
         ["--model", "sphere", "--repeats", "0"],
+        ["--model", "sphere", "--repeats", "10000000"],
+        ["--model", "sphere", "--seed", "99999999999999999999999"],
+        ["--model", "sphere", "--time-limit", "inf"],
+        ["--model", "sphere", "--time-limit", "nan"],
+        ["--model", "sphere", "--time-limit", "-1"],
+        ["--model", "sphere", "--memory-limit", "1"],
+        ["--model", "sphere", "--jobs", "0"],
+        ["--model", "sphere", "--threads", "0"],
+        ["--model", "sphere", "--set", "lp_uniform.nosuch=3"],
+        ["--model", "sphere", "--set", "lp_uniform.random_state=3"],
         ["--model", "sphere", "--protocol", "fair"],
         ["--model", "sphere", "--resume"],
         ["--model", "sphere", "--model", "sphere"],
         ["--model", "empty.ply"],
         ["--model", "truncated.ply"],
-        ["--model", "nan.npy"],
+        ["--model", "nan.npy", "--strict"],
+        ["--model", "all-nan.npy"],
         ["--model", "flat.npy"],
         ["--model", "sphere", "--out", "file/run"],
         [],
@@ -136,6 +148,37 @@ def test_bad_input_is_one_sentence_and_exit_code_2(lpcompare, broken_files, word
     assert done.stderr.count("\n") == 1
     assert "Traceback" not in done.stderr
     assert sorted(broken_files.iterdir()) == before, "nothing half-written"
+
+
+@pytest.mark.parametrize("assignment", ["lp_density.n_clusters=-3", "lp_uniform.time_limit=-1"])
+def test_a_setting_that_its_method_refuses_ends_the_run_before_the_first_case(
+    lpcompare, cloud_file, tmp_path, assignment
+):
+    method = assignment.partition(".")[0]
+    words = ["--method", "random_sample", "--method", method, "--set", assignment]
+    done = lpcompare("run", "--model", cloud_file, *words, "--out", tmp_path / "run")
+    assert done.returncode == 2, done.stdout
+    assert done.stderr.startswith(f"lpcompare: {assignment.replace('.', ' ')}: ")
+    assert done.stderr.count("\n") == 1
+    assert not (tmp_path / "run" / "run.json").exists()
+
+
+def test_a_setting_that_only_the_model_allows_is_run(lpcompare, cloud_file, tmp_path):
+    words = ["--method", "lp_density", "--set", "lp_density.n_clusters=300", "--reduction", 0.3]
+    done = lpcompare("run", "--model", cloud_file, *words, "--out", tmp_path / "run")
+    assert done.returncode == 0, done.stderr
+    (record,) = load_run(tmp_path / "run").records
+    assert record.settings["n_clusters"] == 300
+
+
+def test_points_without_coordinates_are_left_out_and_counted(lpcompare, tmp_path):
+    points = np.random.default_rng(0).random((300, 3))
+    points[[3, 70], [0, 2]] = np.nan, np.inf
+    np.save(tmp_path / "holes.npy", points)
+    done = lpcompare("run", "--model", tmp_path / "holes.npy", *QUICK, "--out", tmp_path / "run")
+    assert done.returncode == 0, done.stderr
+    assert "2 of 300 points have no finite coordinates and are left out." in done.stderr
+    assert {r.n_input for r in load_run(tmp_path / "run").records} == {298}
 
 
 def test_a_studys_title_stays_until_a_flag_replaces_a_field_of_the_study(lpcompare, tmp_path, cloud_file):
@@ -165,10 +208,21 @@ def test_the_default_folder_is_named_after_time_and_model(lpcompare, tmp_path, c
     assert not list(folder.glob(".work")), "scratch files are gone"
 
 
-def test_as_printed_hands_the_count_of_the_papers_method_to_all_others(lpcompare, tmp_path, cloud_file):
+def test_a_run_in_which_a_case_is_not_ok_says_so_by_its_exit_code(lpcompare, tmp_path, cloud_file):
+    words = ["--method", "well_behaved", "--method", "declines", "--reduction", 0.8]
+    done = lpcompare("run", "--model", cloud_file, *words, "--out", tmp_path / "run")
+    assert done.returncode == 1
+    assert done.stderr == ""
+    assert [r.status for r in load_run(tmp_path / "run").records] == ["ok", "skipped"]
+
+
+@pytest.mark.parametrize("more", [[], ["--jobs", 2], ["--jobs", 2, "--refine"]], ids=str)
+def test_as_printed_hands_the_count_of_the_papers_method_to_all_others(lpcompare, tmp_path, cloud_file, more):
     words = ["--method", "random_sample", "--method", "lp_printed", "--protocol", "as-printed"]
     words += ["--set", "lp_printed.retention=keep-features", "--set", "lp_printed.n_clusters=3"]
-    done = lpcompare("run", "--model", cloud_file, *words, "--reduction", 0.7, "--out", tmp_path / "run")
+    done = lpcompare(
+        "run", "--model", cloud_file, *words, "--reduction", 0.7, "--out", tmp_path / "run", *more
+    )
     assert done.returncode == 0, done.stderr
     printed, other = load_run(tmp_path / "run").records
     assert printed.method == "lp_printed"

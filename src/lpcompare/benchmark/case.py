@@ -1,174 +1,162 @@
-"""One case in a fresh child process: started, limited, killed as a group, its end told in a sentence."""
+"""One case, run by a child process: what it is asked, what it answers, and its end told in a sentence."""
 
 from __future__ import annotations
 
-import json
-import os
 import signal
-import subprocess
-import sys
-from collections.abc import Mapping
-from contextlib import suppress
+import uuid
 from pathlib import Path
-from threading import TIMEOUT_MAX, Event, Timer
-from time import perf_counter
-from typing import Any, BinaryIO
 
-from lpcompare.benchmark.limits import CANNOT_WRITE
-from lpcompare.errors import InputError
+import msgspec
+
+from lpcompare.benchmark.record import Facts, Record
+from lpcompare.children import Children, Ending, python
 from lpcompare.files import CONTINUE, writing
 
-_THREAD_VARIABLES = (
-    "LPCOMPARE_THREADS",
-    "OMP_NUM_THREADS",
-    "OPENBLAS_NUM_THREADS",
-    "MKL_NUM_THREADS",
-    "BLIS_NUM_THREADS",
-    "VECLIB_MAXIMUM_THREADS",
-    "NUMEXPR_NUM_THREADS",
-    "NUMBA_NUM_THREADS",
-)
-_TAIL_LINES, _TAIL_CHARACTERS = 3, 300
+
+class Request(msgspec.Struct, frozen=True):
+    """What `lpcompare.benchmark.worker` is asked to do.
+
+    Attributes
+    ----------
+    record : Record
+        The case, not yet run.
+    input, input_sha256 : str
+        File of the cloud that the method is given, and the cloud's digest: a method may have changed it.
+    output : str
+        File for the result; empty where it is not kept.
+    settings : mapping
+        What was chosen of the method's settings.
+    entropy : int or list of int
+        Of the method's generator.
+    clean, clean_sha256 : str
+        The same of the cloud that the result is measured against; empty where that is the input.
+    metrics : list of str
+    refine : bool
+        Improve a subset by swaps.
+    trial : bool
+        Only try whether the settings can be used: on a small cloud, then on the input.
+    """
+
+    record: Record
+    input: str
+    input_sha256: str
+    output: str
+    settings: Facts
+    entropy: int | list[int]
+    clean: str = ""
+    clean_sha256: str = ""
+    metrics: list[str] = []
+    refine: bool = False
+    trial: bool = False
+    token: str = msgspec.field(default_factory=lambda: uuid.uuid4().hex)
 
 
-def thread_environment(threads: int) -> dict[str, str]:
-    """The environment variables that hold every library to ``threads`` threads."""
-    return dict.fromkeys(_THREAD_VARIABLES, str(threads))
+class Answer(msgspec.Struct, frozen=True):
+    """What the child process says, again and again; the last one counts.
+
+    Attributes
+    ----------
+    token : str
+        The request's: a line without it was not written by the worker.
+    record : Record
+        The case as far as it is known.
+    stage : str
+        What is being done.
+    finished : bool
+        True in the last answer.
+    trouble : str
+        ``input`` where a cloud on disk is not the right one, ``output`` where the result cannot be written,
+        ``settings`` where the method refuses what was chosen.
+    """
+
+    token: str
+    record: Record
+    stage: str = "the start"
+    finished: bool = False
+    trouble: str = ""
 
 
-def start_seconds() -> float:
-    """Seconds on the wall clock until a process has imported what every case needs, as things are now."""
-    modules = "lpcompare.benchmark.worker, lpcompare.benchmark.timing, lpcompare.metrics.comparison"
-    began = perf_counter()
-    subprocess.run([sys.executable, "-P", "-c", f"import {modules}"], stdin=subprocess.DEVNULL, check=True)
-    return perf_counter() - began
+def run_case(
+    children: Children,
+    request: Request,
+    folder: Path,
+    *,
+    time_limit_s: float,
+    memory_limit_mib: int,
+    threads: int,
+) -> Answer:
+    """Run one case in a child process.
+
+    Parameters
+    ----------
+    children : Children
+    request : Request
+    folder : Path
+        An empty folder: the process's current one, for all that it writes.
+    time_limit_s, memory_limit_mib, threads
+        Limits of the process and all that it starts.
+
+    Returns
+    -------
+    Answer
+        Its record has a status and a message, however the process ended.
+
+    Raises
+    ------
+    Stopped
+        ``children.stop`` was called meanwhile.
+    InputError
+        The request cannot be written.
+    """
+    with writing(folder, CONTINUE):
+        (folder / "request.json").write_bytes(msgspec.json.encode(request))
+    command = python("-m", "lpcompare.benchmark.worker", str(folder))
+    limits = {"time_limit_s": time_limit_s, "memory_limit_mib": memory_limit_mib}
+    ending = children.run(command, folder, threads=threads, **limits)
+    answer = _last_answer(ending, request)
+    if answer.finished:
+        tail = _tail(ending) if answer.record.status == "failed" else ""
+        return _with_message(answer, answer.record.status, answer.record.message + tail)
+    if ending.limit == "time":
+        sentence = f"Killed in {answer.stage} after {time_limit_s:g} s, the time limit."
+        return _with_message(answer, "timeout", sentence)
+    sentence = f"{_end(ending, memory_limit_mib)} in {answer.stage}."
+    return _with_message(answer, "failed", sentence + _tail(ending))
 
 
-class Stopped(Exception):  # noqa: N818 - an order, not a fault
-    """The run was stopped while a case was going on; the case has no record."""
+def _last_answer(ending: Ending, request: Request) -> Answer:
+    """The last line that the worker wrote; other lines, also forged ones, are left out."""
+    for line in reversed(ending.answer.split("\n")):
+        try:
+            answer = msgspec.json.decode(line, type=Answer)
+        except (ValueError, RecursionError):
+            continue
+        same = answer.record.case_id == request.record.case_id and answer.record.key == request.record.key
+        if answer.token == request.token and same:
+            return answer
+    return Answer(request.token, request.record)
 
 
-class Children:
-    """The child processes that are alive, so that all of them can be ended at once."""
-
-    def __init__(self) -> None:
-        self._alive: set[subprocess.Popen[bytes]] = set()
-        self._stopped = False
-
-    def run(self, request: Mapping[str, Any], folder: Path) -> dict[str, Any]:
-        """Run one case in a child process and return the fields of its record that the child decides.
-
-        Parameters
-        ----------
-        request : mapping
-            What `lpcompare.benchmark.worker` is asked to do, with ``time_limit_s`` and ``threads``.
-        folder : Path
-            An empty folder for the exchange of files with the child.
-
-        Returns
-        -------
-        dict
-            At least ``status`` and ``message``.
-
-        Raises
-        ------
-        Stopped
-            `stop` was called meanwhile.
-        InputError
-            This process or the child could not write; the case has no record.
-        """
-        with writing(folder, CONTINUE):
-            (folder / "request.json").write_text(json.dumps(request), encoding="utf-8")
-        with (folder / "stderr.txt").open("wb") as stderr:
-            child = _start(folder, request["threads"], stderr)
-            self._alive.add(child)
-            try:
-                code = _exit_code(child, request["time_limit_s"])
-            finally:
-                _kill_group(child)
-                self._alive.discard(child)
-        if self._stopped:
-            raise Stopped
-        if code == CANNOT_WRITE:
-            raise InputError(f"{folder} cannot be written (is the disk full?); {CONTINUE}.")
-        return _reply(folder, code, request)
-
-    def stop(self) -> None:
-        """End every child; their cases raise `Stopped`."""
-        self._stopped = True
-        for child in tuple(self._alive):
-            _kill_group(child)
+def _with_message(answer: Answer, status: str, message: str) -> Answer:
+    record = msgspec.structs.replace(answer.record, status=status, message=message)
+    return msgspec.structs.replace(answer, record=record)
 
 
-def _start(folder: Path, threads: int, stderr: BinaryIO) -> subprocess.Popen[bytes]:
-    return subprocess.Popen(
-        [sys.executable, "-P", "-m", "lpcompare.benchmark.worker", str(folder)],
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.DEVNULL,
-        stderr=stderr,
-        env=os.environ | thread_environment(threads) | {"PYTHONHASHSEED": "0"},
-        start_new_session=True,
-    )
-
-
-def _exit_code(child: subprocess.Popen[bytes], limit_s: float) -> int | None:
-    """The exit code, or None when the limit ended it; `Popen.wait` with a limit looks only every 50 ms."""
-    late = Event()
-
-    def end() -> None:
-        late.set()
-        _kill_group(child)
-
-    timer = Timer(min(limit_s, TIMEOUT_MAX), end)
-    timer.daemon = True
-    timer.start()
-    try:
-        code = child.wait()
-    finally:
-        timer.cancel()
-    return None if late.is_set() else code
-
-
-def _kill_group(child: subprocess.Popen[bytes]) -> None:
-    """End the child and all that it started; only SIGKILL ends a library that loops."""
-    with suppress(ProcessLookupError, PermissionError):
-        os.killpg(child.pid, signal.SIGKILL) if hasattr(os, "killpg") else child.kill()
-    child.wait()
-
-
-def _reply(folder: Path, code: int | None, request: Mapping[str, Any]) -> dict[str, Any]:
-    path = folder / "reply.json"
-    reply: dict[str, Any] = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
-    if reply.pop("finished", False):
-        tail = _tail(folder / "stderr.txt") if reply["status"] == "failed" else ""
-        return reply | {"message": reply["message"] + tail}
-    stage = (folder / "stage").read_text() if (folder / "stage").exists() else "the start"
-    if code is None:
-        limit = f"{request['time_limit_s']:g}"
-        return reply | {"status": "timeout", "message": f"Killed in {stage} after {limit} s, the time limit."}
-    sentence = f"{_end(code, request, folder)} in {stage}."
-    return reply | {"status": "failed", "message": sentence + _tail(folder / "stderr.txt")}
-
-
-def _end(code: int, request: Mapping[str, Any], folder: Path) -> str:
+def _end(ending: Ending, memory_limit_mib: int) -> str:
     """How a process ended that left no result."""
+    if ending.limit == "guard":
+        return "The process that watches the case was killed"
+    if ending.limit == "memory" or "bad_alloc" in ending.errors or "MemoryError" in ending.errors:
+        return f"Out of memory (limit {memory_limit_mib} MiB)"
+    code = ending.code or 0
     if code >= 0:
         return f"The process ended with exit code {code} and no result"
-    stderr = (folder / "stderr.txt").read_bytes()
-    if b"bad_alloc" in stderr or b"MemoryError" in stderr:
-        return f"Out of memory (limit {request['memory_limit_mib']} MiB)"
     if -code == signal.SIGKILL:
         return "The process was killed from outside (SIGKILL; often the system was out of memory)"
-    return f"The process crashed with {signal.Signals(-code).name}"
+    name = signal.Signals(-code).name if -code in set(signal.Signals) else f"signal {-code}"
+    return f"The process crashed with {name}"
 
 
-def _tail(stderr: Path) -> str:
-    """The last lines that the child wrote."""
-    lines = [line.strip() for line in _last_bytes(stderr).splitlines() if line.strip()][-_TAIL_LINES:]
-    return f" Last output: {' | '.join(lines)[-_TAIL_CHARACTERS:]}" if lines else ""
-
-
-def _last_bytes(path: Path, size: int = 4096) -> str:
-    with path.open("rb") as file:
-        file.seek(max(0, path.stat().st_size - size))
-        return file.read().decode("utf-8", "replace")
+def _tail(ending: Ending) -> str:
+    lines = ending.last_lines()
+    return f" Last output: {lines}" if lines else ""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import platform
-import subprocess
+import re
 import sys
 from collections.abc import Iterable
 from datetime import UTC, datetime
@@ -12,9 +12,12 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-from lpcompare.benchmark.case import thread_environment
-from lpcompare.benchmark.warmup import library
+import psutil
+
+from lpcompare.benchmark.record import printable
+from lpcompare.children import Children, thread_environment
 from lpcompare.registry import METHODS
+from lpcompare.types import Traits
 
 _ALWAYS = (
     "lpcompare",
@@ -32,7 +35,7 @@ def capture(methods: Iterable[str], threads: int) -> dict[str, Any]:
     """Machine, operating system, versions, threads, commit and command line, JSON-ready."""
     return {
         "started": datetime.now(UTC).isoformat(timespec="seconds"),
-        "command": " ".join(["lpcompare", *sys.argv[1:]]),
+        "command": _command(),
         "cpu": _cpu_model(),
         "cores": os.cpu_count(),
         "cores_allowed": len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count(),
@@ -53,12 +56,21 @@ def package_versions(methods: Iterable[str]) -> dict[str, str]:
     return {name: number for name, number in found.items() if number}
 
 
+def library(traits: Traits) -> str:
+    """The module that a method wraps: the first word of ``wraps``."""
+    return re.split(r"\W", traits.wraps, maxsplit=1)[0]
+
+
 def physical_memory_mib() -> int:
-    """Memory of the machine in MiB; 8192 where the system does not tell."""
-    try:
-        return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") // 2**20
-    except (AttributeError, ValueError, OSError):
-        return 8192
+    """Memory of the machine in MiB."""
+    return psutil.virtual_memory().total // 2**20
+
+
+def _command() -> str:
+    """The command line; a program that uses lpcompare has its own."""
+    program = Path(sys.argv[0])
+    name = "lpcompare" if program.stem in ("lpcompare", "__main__") else program.name
+    return printable(" ".join([name, *sys.argv[1:]]))
 
 
 def _version(package: str) -> str:
@@ -85,10 +97,6 @@ def _commit() -> str:
 
 
 def _git(root: Path, *words: str) -> str:
-    try:
-        done = subprocess.run(
-            ["git", *words], cwd=root, capture_output=True, text=True, timeout=10, check=True
-        )
-    except (OSError, subprocess.SubprocessError):
-        return ""
-    return done.stdout.strip()
+    """What git says; empty where there is none."""
+    ending = Children().run(["git", *words], root, time_limit_s=10, memory_limit_mib=2048)
+    return ending.answer.strip() if ending.code == 0 else ""

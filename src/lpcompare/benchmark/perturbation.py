@@ -82,7 +82,7 @@ def perturb(cloud: PointCloud, perturbation: Perturbation, seed: int) -> PointCl
     if perturbation.kind == "outliers":
         return _with_points(cloud, _in_the_box(cloud.points, perturbation.level, rng))
     keeps = _uneven if perturbation.kind == "uneven" else _outside_a_ball
-    return _of_rows(cloud, keeps(cloud.points, perturbation.level, rng))
+    return keep_points(cloud, keeps(cloud.points, perturbation.level, rng))
 
 
 def mean_spacing(points: Points) -> float:
@@ -111,14 +111,12 @@ def _outside_a_ball(points: Points, share: float, rng: np.random.Generator) -> M
     return mask
 
 
-def _of_rows(cloud: PointCloud, mask: Mask) -> PointCloud:
-    """The rows of ``mask``, with the faces whose three corners all stay."""
+def keep_points(cloud: PointCloud, mask: Mask) -> PointCloud:
+    """The points of ``mask`` with all that they carry, and the faces whose three corners all stay."""
     faces = cloud.faces
     if faces is not None:
         faces = (np.cumsum(mask) - 1)[faces[mask[faces].all(axis=1)]]
-    kept = {name: None if (a := getattr(cloud, name)) is None else a[mask] for name in ("normals", "colors")}
-    attributes = {name: values[mask] for name, values in cloud.attributes.items()}
-    return replace(cloud, points=cloud.points[mask], faces=faces, attributes=attributes, **kept)
+    return replace(cloud.take(mask), faces=faces)
 
 
 def _with_points(cloud: PointCloud, added: Points) -> PointCloud:

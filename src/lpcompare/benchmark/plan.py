@@ -2,17 +2,25 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass, field
+import hashlib
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
+import msgspec
+
 from lpcompare.benchmark.perturbation import CLEAN, Perturbation
+from lpcompare.benchmark.record import printable
+from lpcompare.checks import check_integer, check_number
 from lpcompare.errors import InputError, UnknownName
-from lpcompare.registry import METHODS, METRICS
+from lpcompare.registry import METHODS
 
 PROTOCOLS = ("equal-count", "as-printed")
 REFERENCE = "lp_printed"
+
+_MOST_CASES = 1_000_000
+_LONGEST_S = 1e7
+_LARGEST_SEED = 2**62
 
 
 @dataclass(frozen=True)
@@ -40,10 +48,15 @@ class Case:
     seed: int
     repeat: int
 
+    @property
+    def group(self) -> tuple[object, ...]:
+        """What it has in common with the cases that it is compared with in one repeat or another."""
+        return self.model, self.perturbation, self.reduction, self.seed
+
 
 @dataclass(frozen=True)
 class Plan:
-    """Everything that decides what is computed, and what it is called.
+    """Everything that decides what is computed, and what it is called; its defaults are those of a run.
 
     Attributes
     ----------
@@ -61,11 +74,11 @@ class Plan:
         ``equal-count``: every method is asked for floor((1 - R) n) points. ``as-printed``: the paper's method
         is, and all others are asked for as many points as it returned.
     refine : bool
-        Run the exchange of `lpcompare.uniform` on every result that is a subset.
+        Improve every result that is a subset by swaps (`lpcompare.uniform.swaps`).
     time_limit_s : float
         Wall clock of one case, in seconds.
     memory_limit_mib : int
-        Memory of one case.
+        Memory of one case, with all processes that it starts.
     threads : int
         Threads of every library in a case.
     jobs : int
@@ -110,7 +123,8 @@ class Plan:
 
     def to_dict(self) -> dict[str, Any]:
         """The plan as JSON-ready values."""
-        return asdict(self)
+        plan = msgspec.to_builtins(self, enc_hook=repr)
+        return plan | {"models": [printable(name) for name in self.models]}
 
     def check(self) -> None:
         """Refuse a plan that cannot be run.
@@ -119,12 +133,20 @@ class Plan:
         ------
         InputError, UnknownName
         """
-        self._check_names()
+        for what in ("models", "variants", "reductions", "seeds", "perturbations"):
+            names = getattr(self, what)
+            what = "methods" if what == "variants" else what  # noqa: PLW2901
+            if not names:
+                raise InputError(f"The plan has no {what}; name at least one.")
+            if len({str(name) for name in names}) < len(names):
+                raise InputError(f"The plan names one of its {what} twice.")
         self._check_numbers()
         if self.protocol not in PROTOCOLS:
             raise UnknownName("protocol", self.protocol, PROTOCOLS)
         if self.protocol == "as-printed" and REFERENCE not in {v.method for v in self.variants}:
             raise InputError(f"The protocol as-printed takes its counts from {REFERENCE}; add that method.")
+        if len(self) > _MOST_CASES:
+            raise InputError(f"The plan has {len(self):,} cases; it may have {_MOST_CASES:,} at most.")
 
     def _check_numbers(self) -> None:
         for value in self.reductions:
@@ -132,55 +154,29 @@ class Plan:
                 raise InputError(
                     f"The reduction is {value}; it is the share of points removed, from 0 to below 1."
                 )
-        for what, number in (("repeats", self.repeats), ("threads", self.threads), ("jobs", self.jobs)):
-            if number < 1:
-                raise InputError(f"The number of {what} is {number}; it must be at least 1.")
         for perturbation in self.perturbations:
             perturbation.check()
         for seed in self.seeds:
-            if seed < 0:
-                raise InputError(f"The seed is {seed}; it must be 0 or more.")
-        if not self.time_limit_s > 0:
-            raise InputError(f"The time limit is {self.time_limit_s} s; it must be above 0.")
-        if self.memory_limit_mib < 256:
-            raise InputError(f"The memory limit is {self.memory_limit_mib} MiB; it must be at least 256.")
-
-    def _check_names(self) -> None:
-        for what, names in (
-            ("models", self.models),
-            ("methods", self.variants),
-            ("reductions", self.reductions),
-            ("seeds", self.seeds),
-            ("perturbations", self.perturbations),
-        ):
-            if not names:
-                raise InputError(f"The plan has no {what}; name at least one.")
-            if len({str(name) for name in names}) < len(names):
-                raise InputError(f"The plan names one of its {what} twice.")
+            check_integer("The seed", seed, 0, _LARGEST_SEED)
+        for name in ("repeats", "threads", "jobs"):
+            check_integer(f"The number of {name}", getattr(self, name), 1)
+        if not check_number("The time limit in seconds", self.time_limit_s, 0, _LONGEST_S):
+            raise InputError("The time limit in seconds is 0; give a number above 0.")
+        check_integer("The memory limit in MiB", self.memory_limit_mib, 256)
 
 
-def target_count(n_points: int, reduction: float) -> int:
-    """Points to keep: floor((1 - R) n), at least 1; the product is rounded at its ninth digit before."""
-    return max(1, math.floor(round((1 - reduction) * n_points, 9)))
+def seed_entropy(seed: int, repeat: int, method: str, model: str) -> list[int]:
+    """Entropy of a case's generator: ``numpy.random.SeedSequence(entropy)``.
+
+    Method and model enter as the first 8 bytes of their names' SHA-256, so that no two methods draw the same
+    numbers, and adding a method changes no other method's draw.
+    """
+    names = (hashlib.sha256(name.encode("utf-8", "surrogateescape")).digest()[:8] for name in (method, model))
+    return [seed, repeat, *(int.from_bytes(name, "big") for name in names)]
 
 
-def check_names(methods: tuple[str, ...], metrics: tuple[str, ...]) -> None:
-    """Refuse methods and metrics that do not exist; raises `UnknownName`."""
-    for registry, names in ((METHODS, methods), (METRICS, metrics)):
-        for name in names:
-            if name not in registry:
-                raise UnknownName(registry.kind, name, registry)
-
-
-def default_methods() -> tuple[str, ...]:
-    """Every method that this installation of lpcompare can run, optional ones where their extra is there."""
-    return tuple(name for name in METHODS if not METHODS.missing(name))
-
-
-def choose_metrics(asked: tuple[str, ...]) -> tuple[str, ...]:
-    """The quick metrics, and beside them those asked for; ``all`` asks for every one."""
-    if "all" in asked:
-        return METRICS.names()
-    quick = (name for name in METRICS if getattr(METRICS.module(name), "COST", "quick") != "slow")
-    check_names((), asked)
-    return tuple(sorted({*quick, *asked}))
+def check_names(methods: Iterable[str]) -> None:
+    """Refuse methods that do not exist; raises `UnknownName`."""
+    for name in methods:
+        if name not in METHODS:
+            raise UnknownName(METHODS.kind, name, METHODS)

@@ -1,61 +1,61 @@
-"""The records of a run: one row per case and repeat. The file format is described in docs/run-json.md.
-
-Layout of a run's folder::
-
-    run.json        {"schema_version", "complete", "plan", "environment", "inputs", "records": [Record, ...]}
-    records.jsonl   while the run is going on: one finished record per line, ahead of run.json
-    records.csv     the same rows, flat: one column per field, per metric and per stage time
-    summary.csv     medians, quartiles and bootstrap intervals over repeats and seeds
-    clouds/         <input>.npz (points, faces) and one .npz per result (points, indices, plane_errors)
-"""
+"""The records of a run, one per case and repeat, and the run as one table; docs/run-json.md has the files."""
 
 from __future__ import annotations
 
-import json
+import hashlib
 import math
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, fields
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
 
-from lpcompare.benchmark.hints import fits, spell
+import msgspec
+
 from lpcompare.errors import InputError
 
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-SCHEMA_VERSION = 1
-STATUSES = ("ok", "skipped", "failed", "timeout")
+SCHEMA_VERSION = 2
+
+Status = Literal["ok", "skipped", "failed", "timeout"]
+STATUSES: tuple[str, ...] = get_args(Status)
+Count = Annotated[int, msgspec.Meta(ge=0, le=2**62)]
+CloudFile = Annotated[str, msgspec.Meta(pattern=r"^(clouds/[^/\\\x00]+\.npz)?$")]
+Name = Annotated[str, msgspec.Meta(max_length=300)]
+Numbers = Annotated[Mapping[Name, float | None], msgspec.Meta(max_length=1000)]
+Facts = Annotated[Mapping[Name, Any], msgspec.Meta(max_length=1000)]
+
+_TEXTS = ("model", "method", "variant", "perturbation", "message")
+_NESTED = ("timings", "metrics")
+_MESSAGE_CHARACTERS = 1000
 
 
-@dataclass(frozen=True)
-class Record:
-    """One case, run once.
+class Record(msgspec.Struct, frozen=True):
+    """One case, run once. `msgspec` checks every field of a file that is read.
 
     Attributes
     ----------
     model, method : str
         Registered names, or a file's stem.
-    variant : str
-        The method with the settings that were chosen, for example ``lp_density n_clusters=25``.
     reduction : float
         Share of the points removed.
     n_input, target_count : int
         Points of the input, points asked for.
-    n_output : int or None
-        Points returned.
     seed, repeat : int
     status : str
-        One of ``STATUSES``.
+        ``ok``, ``skipped`` (declined or not installed), ``failed`` or ``timeout``.
     message : str
-        Why, where the status is not ok.
+        Why, where the status is not ok; a word on what fell short where it is.
+    variant : str
+        The method with the settings that were chosen, for example ``lp_density n_clusters=25``.
     perturbation, perturbation_level : str, float
         What was done to the input; ``none`` for the clean cloud.
     refined : bool
-        Whether `lpcompare.uniform` worked on the result.
-    settings : mapping
-        Effective settings of the method, calibrated ones among them.
+        Whether swaps (`lpcompare.uniform.swaps`) improved the result.
+    n_output : int or None
+        Points returned.
     runtime_s, cpu_s : float or None
         Seconds of the call on the wall clock, and of all processors together.
     calibration_s : float or None
@@ -70,6 +70,8 @@ class Record:
         Largest resident memory of the child process up to the end of the call, imports included.
     subset, needs_mesh : bool or None
         Whether the result is a subset of the input, and whether the method was given the mesh.
+    settings : mapping
+        Effective settings of the method, calibrated ones among them.
     timings : mapping of str to float
         Seconds per stage, as the method reports them.
     metrics : mapping of str to float
@@ -82,22 +84,24 @@ class Record:
         Digest of everything that decides the result; equal keys are not computed twice.
     cloud : str
         File of the result, relative to the run's folder; empty when it was not kept.
+    cloud_sha256 : str
+        Digest of that file.
     """
 
-    model: str
-    method: str
+    model: Name
+    method: Name
     reduction: float
-    n_input: int
-    target_count: int
-    seed: int
-    repeat: int
-    status: str
+    n_input: Count
+    target_count: Count
+    seed: Count
+    repeat: Count
+    status: Status
     message: str = ""
     variant: str = ""
     perturbation: str = "none"
     perturbation_level: float = 0.0
     refined: bool = False
-    n_output: int | None = None
+    n_output: Count | None = None
     runtime_s: float | None = None
     calibration_s: float | None = None
     cpu_s: float | None = None
@@ -107,56 +111,35 @@ class Record:
     peak_memory_mib: float | None = None
     subset: bool | None = None
     needs_mesh: bool | None = None
-    settings: Mapping[str, Any] = field(default_factory=dict)
-    timings: Mapping[str, float] = field(default_factory=dict)
-    metrics: Mapping[str, float] = field(default_factory=dict)
-    info: Mapping[str, Any] = field(default_factory=dict)
+    settings: Facts = {}
+    timings: Numbers = {}
+    metrics: Numbers = {}
+    info: Facts = {}
     points_sha256: str = ""
     key: str = ""
-    cloud: str = ""
+    cloud: CloudFile = ""
+    cloud_sha256: str = ""
+
+    def __post_init__(self) -> None:
+        for name in _TEXTS:
+            msgspec.structs.force_setattr(self, name, printable(getattr(self, name)))
+        msgspec.structs.force_setattr(self, "variant", self.variant or self.method)
+        for name in _NESTED:
+            numbers = {k: math.nan if v is None else v for k, v in getattr(self, name).items()}
+            msgspec.structs.force_setattr(self, name, numbers)
 
     @property
     def case_id(self) -> tuple[object, ...]:
         """Which case of a plan this is the record of, however it was run."""
-        damage = (self.perturbation, self.perturbation_level)
-        return (self.model, damage, self.variant, self.reduction, self.seed, self.repeat)
+        perturbation = (self.perturbation, self.perturbation_level)
+        return (self.model, perturbation, self.variant, self.reduction, self.seed, self.repeat)
 
     def to_dict(self) -> dict[str, Any]:
         """The record as JSON-ready values; NaN becomes null."""
-        row = asdict(self)
-        row["metrics"] = {k: v if math.isfinite(v) else None for k, v in self.metrics.items()}
-        return row
-
-    @classmethod
-    def from_dict(cls, row: Mapping[str, Any]) -> Record:
-        """The record of a JSON object; keys that this version does not know are left out.
-
-        Raises
-        ------
-        InputError
-            A field is missing or has the wrong type.
-        """
-        if not isinstance(row, Mapping):
-            raise InputError(f"A record is {row!r}, not an object.")
-        hints = get_type_hints(cls)
-        known = {f.name for f in fields(cls)}
-        for name in ("model", "method", "reduction", "n_input", "target_count", "seed", "repeat", "status"):
-            if name not in row:
-                raise InputError(f"A record has no field {name!r}.")
-        chosen = {key: value for key, value in row.items() if key in known}
-        for name, value in chosen.items():
-            if not fits(value, hints[name]):
-                raise InputError(f"A record's {name!r} is {value!r}; it must be {spell(hints[name])}.")
-        if row["status"] not in STATUSES:
-            raise InputError(
-                f"A record's status is {row['status']!r}; it must be one of {', '.join(STATUSES)}."
-            )
-        metrics = {k: math.nan if v is None else float(v) for k, v in row.get("metrics", {}).items()}
-        variant = row.get("variant") or row["method"]
-        return cls(**{**chosen, "metrics": metrics, "variant": variant})
+        return msgspec.json.decode(msgspec.json.encode(self))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Run:
     """A run as it stands in its folder.
 
@@ -173,6 +156,8 @@ class Run:
         In the order of the plan.
     complete : bool
         False while the run is going on, and for good when it was killed or stopped.
+    n_damaged : int
+        Records that could not be read and are left out.
     """
 
     folder: Path
@@ -181,6 +166,7 @@ class Run:
     inputs: Mapping[str, Mapping[str, Any]]
     records: tuple[Record, ...]
     complete: bool
+    n_damaged: int = 0
 
     @cached_property
     def frame(self) -> DataFrame:
@@ -195,11 +181,31 @@ class Run:
         ``label``
             The variant, with " + swaps" where its result was refined.
         """
-        import pandas as pd
+        return frame_of(self.records)
 
-        rows = [_flat(record) for record in self.records]
-        columns = [*_COLUMN_TYPES, *dict.fromkeys(k for row in rows for k in row if k not in _COLUMN_TYPES)]
-        return pd.DataFrame(rows, columns=columns).astype(_COLUMN_TYPES)
+    def report(self, path: str | Path | None = None) -> Path:
+        """Write the page of this run, one HTML file that needs no network, and return its path.
+
+        Parameters
+        ----------
+        path : str or Path, optional
+            Default: report.html in the run's folder.
+        """
+        from lpcompare.report.page import write_page
+
+        return write_page(self.folder, None if path is None else Path(path))
+
+    def __repr__(self) -> str:
+        statuses = [record.status for record in self.records]
+        counts = ", ".join(f"{statuses.count(s)} {s}" for s in dict.fromkeys(statuses))
+        models = ", ".join(dict.fromkeys(record.model for record in self.records))
+        state = "" if self.complete else ", not complete"
+        return f"Run({models or 'no records'}: {counts or '0 cases'}{state}; {self.folder})"
+
+    def _repr_html_(self) -> str:
+        columns = [name for name in ("plane_error_pct", "runtime_s") if name in self.frame]
+        medians = self.frame.groupby(["input", "label", "reduction"], sort=False)[columns].median()
+        return medians.to_html(float_format="{:.4g}".format)
 
 
 _COLUMN_TYPES = {
@@ -231,87 +237,151 @@ _COLUMN_TYPES = {
     "points_sha256": "str",
     "key": "str",
     "cloud": "str",
+    "cloud_sha256": "str",
     "input": "str",
     "label": "str",
 }
 """The columns that every frame has; those of metrics and stages follow."""
 
 
-def _flat(record: Record) -> dict[str, Any]:
-    """A record as one row of `Run.frame`."""
-    row = {f.name: getattr(record, f.name) for f in fields(record) if f.name not in ("timings", "metrics")}
+def frame_of(records: Iterable[Record]) -> DataFrame:
+    """The table of `Run.frame`."""
+    import pandas as pd
+
+    rows = [_row(record) for record in records]
+    names = dict.fromkeys(name for row in rows for name in row)
+    columns = [*_COLUMN_TYPES, *(name for name in names if name not in _COLUMN_TYPES)]
+    return pd.DataFrame(rows, columns=columns).astype(_COLUMN_TYPES)
+
+
+def _row(record: Record) -> dict[str, Any]:
     done = "" if record.perturbation == "none" else f" + {record.perturbation} {record.perturbation_level:g}"
-    row |= {"input": record.model + done, "label": record.variant + " + swaps" * record.refined}
-    return {**record.metrics, **{f"time_{stage}_s": s for stage, s in record.timings.items()}, **row}
+    own = {name: getattr(record, name) for name in record.__struct_fields__ if name not in _NESTED}
+    own |= {"input": record.model + done, "label": record.variant + " + swaps" * record.refined}
+    return {**record.metrics, **{f"time_{stage}_s": s for stage, s in record.timings.items()}, **own}
 
 
-def load_run(path: str | Path) -> Run:
-    """Read a run from its folder, or from its run.json; a run that was killed is read as far as it came.
+def printable(text: str, limit: int = _MESSAGE_CHARACTERS) -> str:
+    """A text in one line: control characters and lone surrogates become spaces, what is too long is cut."""
+    short = text if len(text) <= limit else f"{text[: limit - 2]}.."
+    return short if short.isprintable() else "".join(c if c.isprintable() else " " for c in short)
+
+
+def load_run(folder: str | Path) -> Run:
+    """Read a run from its folder; one that was killed is read as far as it came.
 
     Parameters
     ----------
-    path : str or Path
+    folder : str or Path
         The folder, or the file run.json in it.
 
     Returns
     -------
     Run
+        Records that are damaged are left out and counted.
 
     Raises
     ------
     InputError
-        There is no run, the file is truncated or not a run, or a newer lpcompare wrote it.
+        There is no run, run.json is truncated or not a run, or a newer lpcompare wrote it.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from lpcompare.benchmark.runner import run
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     done = run(["cube"], ["random_sample"], reductions=[0.9], out=folder)
+    ...     print(load_run(folder).frame.status.tolist())
+    ['ok']
     """
-    path = Path(path)
-    folder = path.parent if path.name == "run.json" else path
-    document = _read_document(folder / "run.json")
+    path = Path(folder)
+    path = path if path.name == "run.json" else path / "run.json"
+    document = _read_document(path)
+    texts: list[bytes | msgspec.Raw] = [*document.records]
+    if not document.complete:
+        texts += _lines(path.with_name("records.jsonl"))
+    found = [record for text in texts if (record := _read_record(text))]
+    n_damaged = len(texts) - len(found)
+    if not document.complete:  # a case may have been taken over and then run again
+        found = list({record.case_id: record for record in found}.values())
+    return Run(
+        folder=path.parent,
+        plan=document.plan,
+        environment=document.environment,
+        inputs={name: msgspec.to_builtins(facts) for name, facts in document.inputs.items()},
+        records=tuple(found),
+        complete=document.complete,
+        n_damaged=n_damaged,
+    )
+
+
+def line_of(record: Record) -> bytes:
+    """A record as a line of records.jsonl, with a digest that tells damage."""
+    text = msgspec.json.encode(record)
+    return msgspec.json.encode(_Line(_digest(text), msgspec.Raw(text))) + b"\n"
+
+
+class _Line(msgspec.Struct):
+    digest: str
+    record: msgspec.Raw
+
+
+class _Input(msgspec.Struct):
+    file: CloudFile
+    model: str
+    n_points: int
+    sha256: str = ""
+
+
+class _Version(msgspec.Struct):
+    schema_version: int
+
+
+class _Document(msgspec.Struct):
+    """run.json; its records are read one by one."""
+
+    plan: dict[str, Any]
+    environment: dict[str, Any]
+    records: list[msgspec.Raw]
+    inputs: dict[str, _Input] = {}
+    complete: bool = True
+
+
+def _read_document(path: Path) -> _Document:
+    if not path.is_file():
+        raise InputError(f"{path.parent} holds no run.json; give the folder of a finished run.")
     try:
-        done = [Record.from_dict(row) for row in document["records"]]
-        late = [] if document["complete"] else _read_lines(folder / "records.jsonl")
-    except InputError as error:
-        raise InputError(f"{folder}: {error} The run must be made again.") from error
-    if not document["complete"]:
-        done = list({record.case_id: record for record in (*done, *late)}.values())
-    head = {name: document[name] for name in ("plan", "environment", "inputs", "complete")}
-    return Run(folder=folder, records=tuple(done), **head)
+        text = path.read_bytes()
+        version = msgspec.json.decode(text, type=_Version).schema_version
+        if version <= SCHEMA_VERSION:
+            return msgspec.json.decode(text, type=_Document)
+    except (OSError, ValueError, RecursionError) as error:
+        reason = printable(str(error), 300)
+        raise InputError(f"{path} is not a readable run of lpcompare ({reason}).") from error
+    raise InputError(
+        f"{path} has schema version {version}; this lpcompare reads up to {SCHEMA_VERSION}. Update lpcompare."
+    )
 
 
-def _read_document(path: Path) -> dict[str, Any]:
-    try:
-        document = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError as error:
-        raise InputError(f"{path.parent} holds no run.json; give the folder of a finished run.") from error
-    except (OSError, ValueError) as error:
-        raise InputError(f"{path} is not a readable run ({error}).") from error
-    version = document.get("schema_version") if isinstance(document, dict) else None
-    if not isinstance(version, int):
-        raise InputError(f"{path} is JSON but not a run of lpcompare: it has no schema_version.")
-    if version > SCHEMA_VERSION:
-        raise InputError(
-            f"{path} has schema version {version}; this lpcompare reads up to {SCHEMA_VERSION}. "
-            "Update lpcompare."
-        )
-    document = {"complete": True, "inputs": {}} | document
-    for name, kind in (
-        ("plan", dict),
-        ("environment", dict),
-        ("inputs", dict),
-        ("records", list),
-        ("complete", bool),
-    ):
-        if not isinstance(document.get(name), kind):
-            raise InputError(
-                f"{path} is not a run of lpcompare: its {name!r} is missing or of the wrong kind."
-            )
-    return document
-
-
-def _read_lines(path: Path) -> list[Record]:
-    """The finished rows of a run that did not end; a last line that was cut short is left out."""
-    if not path.exists():
+def _lines(path: Path) -> list[bytes]:
+    """The lines of a run that did not end; a last one that was cut short is among them."""
+    if not path.is_file():
         return []
+    return [line for line in path.read_bytes().split(b"\n") if line]
+
+
+def _read_record(text: bytes | msgspec.Raw) -> Record | None:
+    """The record of a line, of a line of schema 1, or of run.json; None where it is damaged."""
     try:
-        rows = [json.loads(line) for line in path.read_text(encoding="utf-8").split("\n")[:-1]]
-    except ValueError as error:
-        raise InputError(f"{path.name} is damaged ({error}).") from error
-    return [Record.from_dict(row) for row in rows]
+        if isinstance(text, bytes) and text.startswith(b'{"digest"'):
+            line = msgspec.json.decode(text, type=_Line)
+            if _digest(bytes(line.record)) != line.digest:
+                return None
+            text = line.record
+        return msgspec.json.decode(text, type=Record)
+    except (ValueError, RecursionError):
+        return None
+
+
+def _digest(text: bytes) -> str:
+    return hashlib.sha256(text).hexdigest()[:16]

@@ -1,22 +1,37 @@
-"""What an earlier start in a run's folder finished, and whether a plan can go on from there."""
+"""What an earlier start in a run's folder finished, and which of it a plan can take over."""
 
 from __future__ import annotations
 
-import json
-from collections.abc import Mapping
+import hashlib
+from collections.abc import Iterable, Mapping
+from functools import cache
 from pathlib import Path
+from typing import Any
 
-from lpcompare.benchmark.inputs import file_name
+import msgspec
+
+import lpcompare
 from lpcompare.benchmark.plan import Plan
 from lpcompare.benchmark.record import Record, Run, load_run
+from lpcompare.benchmark.run_folder import file_name
 from lpcompare.errors import InputError
 from lpcompare.io.arrays import digest
+from lpcompare.registry import METHODS, METRICS
 from lpcompare.types import PointCloud
 
 _CONDITIONS = ("metrics", "protocol", "refine", "threads")
 """What is the same for all cases of a run; models, methods, reductions, seeds and repeats may be others."""
 
 _LIMITS = ("time_limit_s", "memory_limit_mib")
+
+_SHARED = (
+    "types.py",
+    "mesh_library.py",
+    "metrics/comparison.py",
+    "geometry/*.py",
+    "paper/*.py",
+    "uniform/*.py",
+)
 
 
 def earlier_run(folder: Path, plan: Plan, models: Mapping[str, PointCloud], *, resume: bool) -> Run | None:
@@ -55,11 +70,42 @@ def earlier_run(folder: Path, plan: Plan, models: Mapping[str, PointCloud], *, r
 def reusable(run: Run, plan: Plan) -> dict[str, Record]:
     """Finished records by key; under other limits, not what those limits may have ended."""
     alike = all(run.plan.get(name) == getattr(plan, name) for name in _LIMITS)
-    return {r.key: r for r in run.records if alike or r.status not in ("failed", "timeout")}
+    return {r.key: r for r in run.records if r.key and (alike or r.status not in ("failed", "timeout"))}
+
+
+def case_key(method: str, metrics: Iterable[str], facts: Mapping[str, Any]) -> str:
+    """SHA-256 over the method's code, the metrics' code and the facts of the case.
+
+    Parameters
+    ----------
+    method : str
+    metrics : iterable of str
+    facts : mapping
+        Input digests, settings, count, seed, repeat, versions.
+    """
+    code = [method_digest(method), *(_digest([METRICS.source(name)]) for name in metrics)]
+    return _digest([msgspec.json.encode([code, dict(facts)], enc_hook=repr, order="deterministic")])
+
+
+@cache
+def method_digest(name: str) -> str:
+    """SHA-256 of the method's file, of the helpers beside it and of the steps that methods share."""
+    home = METHODS.path(name).parent
+    helpers = sorted(home.glob("_*.py"))
+    root = Path(lpcompare.__file__).parent
+    shared = sorted(path for pattern in _SHARED for path in root.glob(pattern))
+    return _digest([METHODS.source(name), *(path.read_bytes() for path in (*helpers, *shared))])
+
+
+def _digest(parts: Iterable[bytes]) -> str:
+    state = hashlib.sha256()
+    for part in parts:
+        state.update(len(part).to_bytes(8, "big") + part)
+    return state.hexdigest()
 
 
 def _check_conditions(run: Run, plan: Plan) -> None:
-    asked = json.loads(json.dumps(plan.to_dict()))
+    asked = plan.to_dict()
     for name in _CONDITIONS:
         before, now = run.plan.get(name, asked[name]), asked[name]
         if before != now:

@@ -1,26 +1,103 @@
-"""A run's folder on disk: readable at every moment, whatever ends the run."""
+"""A run's folder on disk: one writer at a time, readable at every moment, whatever ends the run.
+
+Layout::
+
+    run.json        plan, environment, inputs; at the end also the records, in the order of the plan
+    records.jsonl   while the run is going on: one finished record per line
+    records.csv     the rows of `Run.frame`, written at the end
+    clouds/         <input>.npz (points, faces) and one .npz per result (points, indices, plane_errors)
+    .lock           held by the process that writes the folder
+    .work/          what child processes write; removed at the end, and at the next start
+"""
 
 from __future__ import annotations
 
-import csv
-import io
-import json
+import hashlib
 import os
+import re
 import shutil
 import tempfile
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from lpcompare.benchmark.record import SCHEMA_VERSION, Record
-from lpcompare.benchmark.summary import summary_rows
-from lpcompare.files import ANOTHER_FOLDER, CONTINUE, replace_text, writing
+import msgspec
 
-_NESTED = ("settings", "timings", "metrics", "info")
+from lpcompare.benchmark.record import SCHEMA_VERSION, Record, frame_of, line_of, printable
+from lpcompare.errors import InputError
+from lpcompare.files import ANOTHER_FOLDER, CONTINUE, replace_text, writing
+from lpcompare.io.arrays import digest, save_cloud
+from lpcompare.types import PointCloud
+
+
+@dataclass(frozen=True)
+class Input:
+    """A cloud on disk that methods are given.
+
+    Attributes
+    ----------
+    path : Path
+        The .npz.
+    make : callable
+        Makes the cloud, again where a method has changed the file.
+    model : str
+    n_points : int
+    sha256 : str
+        Of all that a method can see.
+    """
+
+    path: Path
+    make: Callable[[], PointCloud]
+    model: str
+    n_points: int
+    sha256: str
+
+    def write(self) -> None:
+        """Write the file again."""
+        save_cloud(self.path, self.make())
+
+    def facts(self) -> dict[str, Any]:
+        """What run.json says of it."""
+        file = f"clouds/{self.path.name}"
+        return {"file": file, "model": self.model, "n_points": self.n_points, "sha256": self.sha256}
+
+
+@contextmanager
+def sole_writer(folder: Path) -> Iterator[None]:
+    """Keep other processes from writing the run of a folder meanwhile.
+
+    Parameters
+    ----------
+    folder : Path
+        Created if need be.
+
+    Raises
+    ------
+    InputError
+        The folder cannot be written, or another process is writing it.
+    """
+    from filelock import FileLock, Timeout
+
+    with writing(folder, ANOTHER_FOLDER):
+        folder.mkdir(parents=True, exist_ok=True)
+        lock = FileLock(folder / ".lock", blocking=False)
+        try:
+            lock.acquire()
+        except Timeout as error:
+            raise InputError(
+                f"{folder} is being written by another lpcompare; "
+                "wait until it has ended, or name another folder with --out."
+            ) from error
+    try:
+        yield
+    finally:
+        lock.release()
 
 
 class RunFolder:
-    """Writes run.json, records.jsonl, records.csv and clouds/.
+    """Writes the files of a run.
 
     Every finished record is appended to records.jsonl and flushed to the disk before the next case starts;
     run.json is replaced whole at the start and at the end. `lpcompare.benchmark.record.load_run` reads both.
@@ -38,67 +115,85 @@ class RunFolder:
 
     def __init__(self, path: Path) -> None:
         self.path, self.clouds, self.scratch = path, path / "clouds", path / ".work"
+        self._lines = path / "records.jsonl"
         self._head: dict[str, Any] = {}
         with writing(path, ANOTHER_FOLDER):
             self.clouds.mkdir(parents=True, exist_ok=True)
             shutil.rmtree(self.scratch, ignore_errors=True)
             self.scratch.mkdir()
 
+    def write_input(self, name: str, make: Callable[[], PointCloud]) -> Input:
+        """Write the cloud that one group of cases is given."""
+        cloud = make()
+        given = Input(self.clouds / f"{name}.npz", make, printable(cloud.name), len(cloud), digest(cloud))
+        save_cloud(given.path, cloud)
+        return given
+
     def begin(self, head: Mapping[str, Any], finished: Iterable[Record]) -> None:
         """Write plan, environment and inputs, and the records that an earlier start finished."""
         self._head = {"schema_version": SCHEMA_VERSION, **head}
-        finished = list(finished)
-        self._write_document(finished, complete=False)
-        replace_text(self._lines, "".join(_line(record) for record in finished), CONTINUE)
+        replace_text(self._lines, b"".join(map(line_of, finished)).decode(), CONTINUE)
+        self._write_document([], complete=False)
 
     def append(self, record: Record) -> None:
         """Keep a finished record, on the disk when this returns."""
-        with writing(self.path, CONTINUE), self._lines.open("a", encoding="utf-8") as file:
-            file.write(_line(record))
+        with writing(self.path, CONTINUE), self._lines.open("ab") as file:
+            file.write(line_of(record))
             file.flush()
             os.fsync(file.fileno())
 
+    def keep_result(self, result: Path, record: Record, name: str) -> Record:
+        """Move the file of a result to its place, and return the record that names it."""
+        with writing(self.clouds, CONTINUE):
+            self.clouds.mkdir(exist_ok=True)
+            os.replace(result, self.clouds / f"{name}.npz")
+        return msgspec.structs.replace(record, cloud=f"clouds/{name}.npz")
+
+    def has_result(self, record: Record) -> bool:
+        """Whether the file that a record names is there, and undamaged."""
+        path = self.path / record.cloud
+        if not record.cloud:
+            return True
+        return path.is_file() and file_digest(path) == record.cloud_sha256
+
     def end(self, records: Iterable[Record], *, complete: bool) -> None:
-        """Write run.json and the tables with every record; clear away what only a running run needs."""
+        """Write run.json and the table with every record; clear away what only a running run needs."""
         records = list(records)
         self._write_document(records, complete=complete)
-        replace_text(self.path / "records.csv", _table([_flat(record) for record in records]), CONTINUE)
-        replace_text(self.path / "summary.csv", _table(summary_rows(records)), CONTINUE)
+        replace_text(self.path / "records.csv", _table(records), CONTINUE)
         self._lines.unlink(missing_ok=True)
         shutil.rmtree(self.scratch, ignore_errors=True)
 
     def exchange(self) -> Path:
         """A new empty folder for the files of one child process."""
         with writing(self.path, CONTINUE):
-            return Path(tempfile.mkdtemp(dir=self.scratch))
-
-    @property
-    def _lines(self) -> Path:
-        return self.path / "records.jsonl"
+            self.scratch.mkdir(exist_ok=True)
+            return Path(tempfile.mkdtemp(dir=self.scratch)).resolve()
 
     def _write_document(self, records: list[Record], *, complete: bool) -> None:
-        document = self._head | {"complete": complete, "records": [r.to_dict() for r in records]}
-        replace_text(self.path / "run.json", json.dumps(document, indent=1, allow_nan=False) + "\n", CONTINUE)
+        document = msgspec.json.encode(self._head | {"complete": complete, "records": records})
+        text = msgspec.json.format(document, indent=1).decode()
+        replace_text(self.path / "run.json", text + "\n", CONTINUE)
 
 
-def _line(record: Record) -> str:
-    return json.dumps(record.to_dict(), allow_nan=False) + "\n"
+def file_name(text: str) -> str:
+    """``text`` as part of a file's name, of at most 80 bytes."""
+    name = re.sub(r"[^\w.=-]+", "-", text).strip("-.") or "cloud"
+    short = name.encode()[:68].decode(errors="ignore")
+    return name if len(name.encode()) <= 80 else f"{short}-{hashlib.sha256(name.encode()).hexdigest()[:10]}"
 
 
-def _table(rows: list[dict[str, Any]]) -> str:
-    """Rows as CSV; a column for every key that occurs."""
-    columns = list(dict.fromkeys(name for row in rows for name in row))
-    text = io.StringIO()
-    writer = csv.DictWriter(text, columns, lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(rows)
-    return text.getvalue()
+def file_digest(path: Path) -> str:
+    """SHA-256 of a file."""
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
-def _flat(record: Record) -> dict[str, Any]:
-    """A record in one row: stage times as ``time_<stage>_s``, settings and info as JSON, metrics by name."""
-    row = record.to_dict()
-    flat = {name: value for name, value in row.items() if name not in _NESTED}
-    flat |= {name: json.dumps(row[name], sort_keys=True) for name in ("settings", "info")}
-    flat |= {f"time_{stage}_s": seconds for stage, seconds in row["timings"].items()}
-    return flat | row["metrics"]
+def _table(records: list[Record]) -> str:
+    """The records as CSV: nested values as JSON, and no cell that a spreadsheet takes for a formula."""
+    frame = frame_of(records).drop(columns=["input", "label"])
+    for name in ("settings", "info"):
+        frame[name] = [msgspec.json.encode(value, order="deterministic").decode() for value in frame[name]]
+    texts = frame.select_dtypes(["object", "str"]).columns
+    frame[texts] = frame[texts].apply(lambda column: column.str.replace(r"^(?=[=+@-])", "'", regex=True))
+    return frame.to_csv(index=False, lineterminator="\n")

@@ -2,28 +2,31 @@
 
 from __future__ import annotations
 
-import hashlib
-import os
 import shutil
-from collections.abc import Iterator, Mapping
+import weakref
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path
 from threading import Lock
-from typing import Protocol
+from typing import Any, Protocol
 
-from lpcompare.benchmark.case import Children
+import msgspec
+
+from lpcompare.benchmark.case import Answer, Request, run_case
 from lpcompare.benchmark.environment import capture, package_versions
-from lpcompare.benchmark.inputs import Input, file_name, write_input
-from lpcompare.benchmark.keys import case_key
-from lpcompare.benchmark.lock import sole_writer
-from lpcompare.benchmark.perturbation import CLEAN, perturb
-from lpcompare.benchmark.plan import REFERENCE, Case, Plan, target_count
+from lpcompare.benchmark.perturbation import CLEAN, Perturbation, keep_points, perturb
+from lpcompare.benchmark.plan import REFERENCE, Case, Plan, seed_entropy
 from lpcompare.benchmark.record import Record, Run, load_run
-from lpcompare.benchmark.resume import earlier_run, reusable
-from lpcompare.benchmark.run_folder import RunFolder
+from lpcompare.benchmark.resume import case_key, earlier_run, reusable
+from lpcompare.benchmark.run_folder import Input, RunFolder, file_name, sole_writer
+from lpcompare.benchmark.study import build_plan, check_study
+from lpcompare.checks import check_points, target_from_reduction, valid_rows
+from lpcompare.children import Children, remove_left_folders, temporary_folder
+from lpcompare.errors import InputError
 from lpcompare.registry import METHODS
-from lpcompare.types import PointCloud
+from lpcompare.types import PointCloud, Points
 
 
 class Listener(Protocol):
@@ -36,6 +39,162 @@ class Listener(Protocol):
 
 def silent(case: Case, record: Record | None, *, reused: bool = False) -> None:
     """Take no note."""
+
+
+def run(
+    models: Sequence[str | PointCloud | Points],
+    methods: Sequence[str] | None = None,
+    reductions: Sequence[float] = Plan.reductions,
+    *,
+    seeds: Sequence[int] = Plan.seeds,
+    repeats: int = Plan.repeats,
+    metrics: Sequence[str] = (),
+    settings: Mapping[str, Mapping[str, Any]] | None = None,
+    perturbations: Mapping[str, Sequence[float]] | None = None,
+    protocol: str = Plan.protocol,
+    refine: bool = Plan.refine,
+    time_limit_s: float = Plan.time_limit_s,
+    memory_limit_mib: int | None = None,
+    threads: int | None = None,
+    jobs: int = Plan.jobs,
+    out: str | Path | None = None,
+    resume: bool = False,
+    listener: Listener = silent,
+) -> Run:
+    """Compare methods on the same clouds at equal counts, each case in a process of its own.
+
+    Parameters
+    ----------
+    models : sequence of str, PointCloud or array_like, shape (n, 3)
+        Names that `lpcompare.models` lists, files, or clouds; a cloud without a name is called ``cloud``.
+    methods : sequence of str, optional
+        Registered methods. Default: all that are installed.
+    reductions : sequence of float
+        Shares of the points to remove, each from 0 to below 1.
+    seeds : sequence of int
+    repeats : int
+        Runs of each case, interleaved over the methods.
+    metrics : sequence of str
+        Slow metrics beside the quick ones, or ``all``.
+    settings : mapping of str to mapping, optional
+        Settings per method; a list of values is a grid, one variant per value.
+    perturbations : mapping of str to sequence of float, optional
+        Levels of ``noise``, ``outliers``, ``uneven`` or ``missing`` to run beside the clean cloud.
+    protocol : {"equal-count", "as-printed"}
+        Whether every method is asked for the same count, or for the count that the paper's method reached.
+    refine : bool
+        Improve every result that is a subset by swaps.
+    time_limit_s : float
+        Seconds of a case.
+    memory_limit_mib : int, optional
+        Memory of a case in MiB. Default: three quarters of the machine's.
+    threads : int, optional
+        Threads of a case. Default: all processors.
+    jobs : int
+        Cases at the same time; above 1 the runtimes are unreliable.
+    out : str or Path, optional
+        Folder of the run. Default: a temporary one, which lives as long as the run that is returned.
+    resume : bool
+        Continue the run in ``out``; finished cases are kept.
+    listener : callable, optional
+        Called with (case, None) before and (case, record, reused=...) after each case.
+
+    Returns
+    -------
+    Run
+        Its ``frame`` has one row per case and repeat.
+
+    Raises
+    ------
+    UnknownName
+        There is no such model, method, metric or setting.
+    InputError
+        A cloud, a number or a setting cannot be worked on, or the folder cannot be written.
+    ModelDataError
+        A model could not be fetched or read.
+
+    Notes
+    -----
+    A method that fails, hangs or ends its process costs its own row: see ``status`` and ``message``.
+
+    Examples
+    --------
+    >>> done = run(["cube"], ["random_sample", "voxel_nearest"], [0.9])
+    >>> done.frame.groupby("label").n_output.median().to_dict()
+    {'random_sample': 960.0, 'voxel_nearest': 960.0}
+    """
+    clouds = load_models(models)
+    levels = {kind: list(steps) for kind, steps in (perturbations or {}).items()}
+    fields = {
+        "models": list(clouds),
+        "methods": list(methods or []),
+        "reductions": list(reductions),
+        "seeds": list(seeds),
+        "repeats": repeats,
+        "metrics": list(metrics),
+        "settings": {name: dict(chosen) for name, chosen in (settings or {}).items()},
+        "perturbations": levels,
+        "protocol": protocol,
+        "refine": refine,
+        "time_limit_s": time_limit_s,
+    }
+    study = check_study(fields, "run")
+    plan = build_plan(study, memory_limit_mib=memory_limit_mib, threads=threads, jobs=jobs)
+    if out is not None:
+        return run_plan(plan, clouds, Path(out), resume=resume, listener=listener)
+    life = ExitStack()
+    done = run_plan(plan, clouds, life.enter_context(temporary_folder()) / "run", listener=listener)
+    weakref.finalize(done, life.close)
+    return done
+
+
+def load_models(
+    models: Sequence[str | PointCloud | Points],
+    *,
+    strict: bool = False,
+    tell: Callable[[str], object] = lambda sentence: None,
+) -> dict[str, PointCloud]:
+    """Every model of a plan, by the name under which the plan asks for it.
+
+    Parameters
+    ----------
+    models : sequence of str, PointCloud or array_like, shape (n, 3)
+    strict : bool
+        Refuse a file with points that have no finite coordinates, instead of leaving these points out.
+    tell : callable
+        Called with a sentence for each file that has such points.
+
+    Raises
+    ------
+    UnknownName, InputError, ModelDataError
+        A model does not exist, cannot be read, or is not a cloud of finite points.
+    """
+    clouds: dict[str, PointCloud] = {}
+    for model in models:
+        name, cloud = _named(model)
+        bad = ~valid_rows(cloud.points) if isinstance(model, str) and cloud.points.ndim == 2 else None
+        if bad is not None and bad.any() and not bad.all() and not strict:
+            n_bad, n_points = int(bad.sum()), len(cloud)
+            tell(f"{name}: {n_bad:,} of {n_points:,} points have no finite coordinates and are left out.")
+            cloud = keep_points(cloud, ~bad)
+        if name in clouds:
+            raise InputError(f"The model {name!r} is named twice.")
+        clouds[name] = replace(cloud, points=check_points(cloud.points, name))
+    titles = [file_name(cloud.name) for cloud in clouds.values()]
+    for title in titles:
+        if titles.count(title) > 1:
+            raise InputError(f"Two models are called {title!r}; rename one of them.")
+    return clouds
+
+
+def _named(model: str | PointCloud | Points) -> tuple[str, PointCloud]:
+    if isinstance(model, str):
+        from lpcompare.models import load_model
+
+        return model, load_model(model)
+    cloud = model if isinstance(model, PointCloud) else PointCloud(check_points(model))
+    cloud = replace(cloud, name=cloud.name or "cloud")
+    return cloud.name, cloud
 
 
 def run_plan(
@@ -69,8 +228,9 @@ def run_plan(
     ------
     InputError
         The folder cannot be written, now or later, or another process is writing it, or it holds a run that
-        ``resume`` does not allow to continue.
+        ``resume`` does not allow to continue; or a method refuses the settings that were chosen for it.
     """
+    remove_left_folders()
     with sole_writer(folder):
         earlier = earlier_run(folder, plan, models, resume=resume)
         runner = _Runner(plan, models, RunFolder(folder), earlier)
@@ -80,7 +240,8 @@ def run_plan(
             complete = True
         finally:
             runner.end(complete=complete)
-        return load_run(folder)
+        n_damaged = earlier.n_damaged if earlier else 0
+        return replace(load_run(folder), n_damaged=n_damaged)
 
 
 class _Runner:
@@ -91,32 +252,50 @@ class _Runner:
     ) -> None:
         self.plan, self.models, self.store, self.earlier = plan, models, store, earlier
         self.reusable = reusable(earlier, plan) if earlier else {}
-        self.clean = {name: write_input(store.clouds, cloud) for name, cloud in models.items()}
         self.inputs: dict[tuple[object, ...], Input] = {}
         self.reached: dict[tuple[object, ...], int] = {}
         self.done: dict[int, Record] = {}
         self.lock = Lock()
+        self.children = Children()
         self.cases = list(plan.cases())
         self.versions = {v.method: package_versions([v.method]) for v in plan.variants}
         for case in self.cases:
+            self._clean(case)
             self._input(case)
-        self.children = Children()
+        self._try_settings()
         store.begin(self._head(), earlier.records if earlier else ())
+
+    def _try_settings(self) -> None:
+        """Have every variant with settings tried in a child process, before the first case."""
+        for variant in (v for v in self.plan.variants if v.settings and not METHODS.missing(v.method)):
+            case = next(case for case in self.cases if case.variant == variant)
+            blank = self._blank(case)
+            if blank.key in self.reusable:
+                continue
+            with self._exchange() as folder:
+                answer = self._answer(case, self._request(case, blank, None, trial=True), folder)
+            if answer.trouble == "settings":
+                raise InputError(f"{variant.label}: {answer.record.message}")
 
     def run(self, listener: Listener) -> None:
         """Run the cases in order; with several jobs, that many at a time."""
-        if self.plan.jobs == 1:
-            for number in range(len(self.cases)):
-                self._step(number, listener)
-            return
         for group in self._groups():
-            pool = ThreadPoolExecutor(self.plan.jobs)
-            try:
-                list(pool.map(lambda number: self._step(number, listener), group))
-            finally:
-                pool.shutdown(wait=False, cancel_futures=True)
-                self.children.stop()
-                pool.shutdown(wait=True)
+            if self.plan.jobs == 1:
+                for number in group:
+                    self._step(number, listener)
+            else:
+                self._run_together(group, listener)
+
+    def _run_together(self, group: list[int], listener: Listener) -> None:
+        pool = ThreadPoolExecutor(self.plan.jobs)
+        try:
+            list(pool.map(lambda number: self._step(number, listener), group))
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            self.children.stop()
+            raise
+        finally:
+            pool.shutdown(wait=True)
 
     def end(self, *, complete: bool) -> None:
         """Write what there is: the records of the plan, then what an earlier start finished beside them."""
@@ -129,7 +308,7 @@ class _Runner:
     def _groups(self) -> Iterator[list[int]]:
         """Under as-printed the reference's cases come before those that take their counts from it."""
         numbers = range(len(self.cases))
-        if self.plan.protocol == "as-printed":
+        if self.plan.protocol == "as-printed" and self.plan.jobs > 1:
             yield [n for n in numbers if self.cases[n].variant.method == REFERENCE]
             yield [n for n in numbers if self.cases[n].variant.method != REFERENCE]
         else:
@@ -140,28 +319,24 @@ class _Runner:
         case = self.cases[number]
         listener(case, None)
         blank = self._blank(case)
-        kept = self._kept(blank)
+        kept = self.reusable.get(blank.key)
+        if kept is not None and not self.store.has_result(kept):
+            kept = None
         record = kept or self._compute(case, blank)
         with self.lock:
             self.done[number] = record  # before the disk: an interrupt between the two must not lose it
             if kept is None:
                 self.store.append(record)
             if case.variant.method == REFERENCE and record.n_output:
-                self.reached.setdefault(_group(case), record.n_output)
+                self.reached.setdefault(case.group, record.n_output)
             listener(case, record, reused=kept is not None)
-
-    def _kept(self, blank: Record) -> Record | None:
-        """The record of an earlier start, if its cloud is still there."""
-        kept = self.reusable.get(blank.key)
-        lost = kept is not None and kept.cloud and not (self.store.path / kept.cloud).exists()
-        return None if lost else kept
 
     def _blank(self, case: Case) -> Record:
         """The record of a case before it is run."""
         given = self._input(case)
-        asked = target_count(self.clean[case.model].n_points, case.reduction)
+        asked = target_from_reduction(len(self.models[case.model]), case.reduction)
         if self.plan.protocol == "as-printed" and case.variant.method != REFERENCE:
-            asked = self.reached.get(_group(case), asked)
+            asked = self.reached.get(case.group, asked)
         record = Record(
             model=given.model,
             method=case.variant.method,
@@ -176,12 +351,12 @@ class _Runner:
             perturbation_level=case.perturbation.level,
             settings=case.variant.settings,
         )
-        return replace(record, key=self._key(case, record))
+        return msgspec.structs.replace(record, key=self._key(case, record))
 
     def _key(self, case: Case, record: Record) -> str:
         facts = {
             "input": self._input(case).sha256,
-            "clean": self.clean[case.model].sha256,
+            "clean": self._clean(case).sha256,
             "model": record.model,
             "settings": dict(record.settings),
             "reduction": record.reduction,
@@ -198,78 +373,87 @@ class _Runner:
     def _compute(self, case: Case, blank: Record) -> Record:
         missing = METHODS.missing(blank.method)
         if missing:
-            return replace(blank, status="skipped", message=missing)
+            return msgspec.structs.replace(blank, status="skipped", message=missing)
         if blank.target_count > blank.n_input:
-            asked, given = blank.target_count, blank.n_input
-            return replace(blank, status="skipped", message=f"{asked} points asked of an input of {given}.")
+            sentence = f"{blank.target_count} points asked of an input of {blank.n_input}."
+            return msgspec.structs.replace(blank, status="skipped", message=sentence)
+        with self._exchange() as folder:
+            result = folder / "result.npz" if case.repeat == 0 else None
+            answer = self._answer(case, self._request(case, blank, result), folder)
+            record = answer.record
+            if answer.trouble == "output":
+                raise InputError(record.message)
+            if result is None or not result.exists() or not record.cloud_sha256:
+                return record
+            return self.store.keep_result(result, record, _cloud_name(case, record))
+
+    @contextmanager
+    def _exchange(self) -> Iterator[Path]:
+        """A folder for one child process."""
         folder = self.store.exchange()
         try:
-            return self._from_child(case, blank, folder)
+            yield folder
         finally:
             shutil.rmtree(folder, ignore_errors=True)
 
-    def _from_child(self, case: Case, blank: Record, folder: Path) -> Record:
-        result = folder / "result.npz" if case.repeat == 0 else None
-        request = {
-            "parent": os.getpid(),
-            "input": str(self._input(case).path.resolve()),
-            "clean": str(self.clean[case.model].path.resolve()),
-            "output": str(result.resolve()) if result else "",
-            "method": blank.method,
-            "settings": dict(blank.settings),
-            "target_count": blank.target_count,
-            "entropy": seed_entropy(blank.seed, blank.repeat, blank.method, blank.model),
-            "metrics": list(self.plan.metrics),
-            "refine": self.plan.refine,
-            "time_limit_s": self.plan.time_limit_s,
-            "memory_limit_mib": self.plan.memory_limit_mib,
-            "threads": self.plan.threads,
-        }
-        record = Record.from_dict(blank.to_dict() | self.children.run(request, folder.resolve()))
-        if result is None or not result.exists():
-            return record
-        kept = self.store.clouds / f"{_cloud_name(case, record)}.npz"
-        os.replace(result, kept)
-        return replace(record, cloud=f"clouds/{kept.name}")
+    def _answer(self, case: Case, request: Request, folder: Path) -> Answer:
+        """Run a request, once more where the clouds on the disk were not as this run had written them."""
+        answer = self._run_case(request, folder)
+        if answer.trouble == "input":
+            self._clean(case).write()
+            self._input(case).write()
+            answer = self._run_case(request, folder)
+        return answer
+
+    def _run_case(self, request: Request, folder: Path) -> Answer:
+        return run_case(
+            self.children,
+            request,
+            folder,
+            time_limit_s=self.plan.time_limit_s,
+            memory_limit_mib=self.plan.memory_limit_mib,
+            threads=self.plan.threads,
+        )
+
+    def _request(self, case: Case, blank: Record, result: Path | None, *, trial: bool = False) -> Request:
+        given, clean = self._input(case), self._clean(case)
+        return Request(
+            record=blank,
+            input=str(given.path.resolve()),
+            input_sha256=given.sha256,
+            clean=str(clean.path.resolve()) if clean is not given else "",
+            clean_sha256=clean.sha256,
+            output=str(result) if result else "",
+            settings=case.variant.settings,
+            entropy=seed_entropy(case.seed, case.repeat, blank.method, given.model),
+            metrics=list(self.plan.metrics),
+            refine=self.plan.refine,
+            trial=trial,
+        )
+
+    def _clean(self, case: Case) -> Input:
+        """The cloud that a case's result is measured against."""
+        return self._written(case.model, CLEAN, 0)
 
     def _input(self, case: Case) -> Input:
-        """The cloud that a case is given; damaged ones are made once per seed."""
-        if case.perturbation == CLEAN:
-            return self.clean[case.model]
-        key = (case.model, case.perturbation, case.seed)
+        """The cloud that a case is given; perturbed ones are made once per seed."""
+        clean = case.perturbation == CLEAN
+        return self._written(case.model, case.perturbation, 0 if clean else case.seed)
+
+    def _written(self, model: str, perturbation: Perturbation, seed: int) -> Input:
+        key = (model, perturbation, seed)
         if key not in self.inputs:
-            damaged = perturb(self.models[case.model], case.perturbation, case.seed)
-            self.inputs[key] = write_input(self.store.clouds, damaged, case.perturbation, case.seed)
+            cloud = self.models[model]
+            suffix = "" if perturbation == CLEAN else f"~{perturbation.kind}-{perturbation.level:g}-s{seed}"
+            name = file_name(cloud.name) + suffix
+            self.inputs[key] = self.store.write_input(name, lambda: perturb(cloud, perturbation, seed))
         return self.inputs[key]
 
     def _head(self) -> dict[str, object]:
-        methods = [variant.method for variant in self.plan.variants]
         inputs = dict(self.earlier.inputs) if self.earlier else {}
-        inputs |= {
-            given.path.stem: {
-                "file": f"clouds/{given.path.name}",
-                "model": given.model,
-                "n_points": given.n_points,
-                "sha256": given.sha256,
-            }
-            for given in (*self.clean.values(), *self.inputs.values())
-        }
-        environment = capture(methods, self.plan.threads)
+        inputs |= {given.path.stem: given.facts() for given in self.inputs.values()}
+        environment = capture([v.method for v in self.plan.variants], self.plan.threads)
         return {"plan": self.plan.to_dict(), "environment": environment, "inputs": inputs}
-
-
-def seed_entropy(seed: int, repeat: int, method: str, model: str) -> list[int]:
-    """Entropy of a case's generator: ``numpy.random.SeedSequence(entropy)``.
-
-    Method and model enter as the first 8 bytes of their names' SHA-256, so that no two methods draw the same
-    numbers, and adding a method changes no other method's draw.
-    """
-    names = (hashlib.sha256(name.encode()).digest()[:8] for name in (method, model))
-    return [seed, repeat, *(int.from_bytes(name, "big") for name in names)]
-
-
-def _group(case: Case) -> tuple[object, ...]:
-    return case.model, case.perturbation, case.reduction, case.seed
 
 
 def _cloud_name(case: Case, record: Record) -> str:

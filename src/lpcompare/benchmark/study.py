@@ -23,35 +23,41 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from importlib.resources import files
 from itertools import product
 from pathlib import Path
-from typing import Any
+from typing import Any, TypedDict
+
+import msgspec
 
 from lpcompare.benchmark.environment import physical_memory_mib
-from lpcompare.benchmark.hints import fits, spell
 from lpcompare.benchmark.perturbation import CLEAN, Perturbation
-from lpcompare.benchmark.plan import Plan, Variant, check_names, choose_metrics, default_methods
-from lpcompare.benchmark.settings import check_settings
+from lpcompare.benchmark.plan import Plan, Variant, check_names
 from lpcompare.errors import InputError, UnknownName
+from lpcompare.registry import METHODS, METRICS
 from lpcompare.threads import thread_count
 
-_FIELDS: dict[str, Any] = {
-    "title": str,
-    "models": list[str],
-    "methods": list[str],
-    "reductions": list[float],
-    "seeds": list[int],
-    "repeats": int,
-    "metrics": list[str],
-    "protocol": str,
-    "refine": bool,
-    "time_limit_s": float,
-    "settings": Mapping[str, Any],
-    "perturbations": Mapping[str, Any],
-}
-_TABLES: dict[str, Any] = {"settings": Mapping[str, Any], "perturbations": list[float]}
+_LARGEST_FILE = 2**20
+
+
+class Study(TypedDict, total=False):
+    """The fields of a study; those that are not given have the defaults of `Plan`."""
+
+    title: str
+    models: list[str]
+    methods: list[str]
+    reductions: list[float]
+    seeds: list[int]
+    repeats: int
+    metrics: list[str]
+    protocol: str
+    refine: bool
+    time_limit_s: float
+    settings: dict[str, dict[str, Any]]
+    perturbations: dict[str, list[float]]
+
+
 _DIRECT = ("title", "models", "reductions", "seeds", "repeats", "protocol", "refine", "time_limit_s")
 
 
@@ -61,7 +67,7 @@ def preset_names() -> tuple[str, ...]:
     return tuple(sorted(Path(f.name).stem for f in folder.iterdir() if f.name.endswith(".toml")))
 
 
-def read_study(name_or_path: str) -> dict[str, Any]:
+def read_study(name_or_path: str) -> Study:
     """The fields of a study: of a preset by name, or of a TOML file.
 
     Raises
@@ -71,34 +77,51 @@ def read_study(name_or_path: str) -> dict[str, Any]:
     InputError
         The file cannot be read or a field has the wrong type.
     """
-    study = _parse(name_or_path)
-    for field, value in study.items():
-        if field not in _FIELDS:
-            raise UnknownName(f"field of study {name_or_path}", field, _FIELDS)
-        if not fits(value, _FIELDS[field]):
-            raise InputError(
-                f"Study {name_or_path}: {field} is {value!r}; it must be {spell(_FIELDS[field])}."
-            )
-    for table, kind in _TABLES.items():
-        for key, value in study.get(table, {}).items():
-            if not fits(value, kind):
-                raise InputError(
-                    f"Study {name_or_path}: {table}.{key} is {value!r}; it must be {spell(kind)}."
-                )
-    return study
+    preset = files("lpcompare.benchmark") / "presets" / f"{name_or_path}.toml"
+    source = preset if name_or_path in preset_names() else Path(name_or_path)
+    if isinstance(source, Path) and not source.is_file():
+        raise UnknownName("study", name_or_path, preset_names())
+    try:
+        if isinstance(source, Path) and source.stat().st_size > _LARGEST_FILE:
+            raise ValueError("it is larger than 1 MiB")
+        fields = tomllib.loads(source.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError) as error:
+        raise InputError(f"Study {name_or_path} cannot be read: {error}.") from error
+    return check_study(fields, f"study {name_or_path}")
+
+
+def check_study(fields: Mapping[str, Any], what: str) -> Study:
+    """The fields of a study, each of the right type.
+
+    Raises
+    ------
+    UnknownName
+        A field that studies do not have.
+    InputError
+        A field has the wrong type.
+    """
+    for field in fields:
+        if field not in Study.__annotations__:
+            raise UnknownName(f"field of {what}", field, Study.__annotations__)
+    try:
+        return msgspec.convert(fields, Study)
+    except (msgspec.ValidationError, RecursionError) as error:
+        raise InputError(f"{what}: {str(error).replace('$.', '')}.") from error
 
 
 def build_plan(
-    fields: Mapping[str, Any], *, memory_limit_mib: int | None, threads: int | None, jobs: int | None
+    fields: Study, *, memory_limit_mib: int | None = None, threads: int | None = None, jobs: int = Plan.jobs
 ) -> Plan:
     """The plan of a study's fields, checked; what is not said has the defaults of `Plan`.
 
     Parameters
     ----------
-    fields : mapping
+    fields : Study
         As `read_study` gives them; ``models`` is needed.
-    memory_limit_mib, threads, jobs : int, optional
-        By default three quarters of the machine's memory and all processors, shared by the jobs; one job.
+    memory_limit_mib, threads : int, optional
+        By default three quarters of the machine's memory and all processors, shared by the jobs.
+    jobs : int
+        Cases at the same time.
 
     Raises
     ------
@@ -107,13 +130,12 @@ def build_plan(
     given: dict[str, Any] = {
         k: tuple(v) if isinstance(v, list) else v for k, v in fields.items() if k in _DIRECT
     }
-    jobs = 1 if jobs is None else jobs
     share = max(1, jobs)
     memory = physical_memory_mib() * 3 // 4 // share if memory_limit_mib is None else memory_limit_mib
     plan = Plan(
         **given,
         variants=variants(fields.get("methods"), fields.get("settings", {})),
-        metrics=choose_metrics(tuple(fields.get("metrics", ()))),
+        metrics=choose_metrics(fields.get("metrics", ())),
         perturbations=perturbations(fields.get("perturbations", {})),
         memory_limit_mib=memory,
         threads=max(1, thread_count() // share) if threads is None else threads,
@@ -123,7 +145,24 @@ def build_plan(
     return plan
 
 
-def variants(methods: list[str] | None, settings: Mapping[str, Mapping[str, Any]]) -> tuple[Variant, ...]:
+def default_methods() -> tuple[str, ...]:
+    """Every method that this installation of lpcompare can run, optional ones where their extra is there."""
+    return tuple(name for name in METHODS if not METHODS.missing(name))
+
+
+def choose_metrics(asked: Iterable[str]) -> tuple[str, ...]:
+    """The quick metrics, and beside them those asked for; ``all`` asks for every one."""
+    asked = set(asked)
+    if "all" in asked:
+        return METRICS.names()
+    for name in asked:
+        if name not in METRICS:
+            raise UnknownName(METRICS.kind, name, METRICS)
+    quick = (name for name in METRICS if getattr(METRICS.module(name), "COST", "quick") != "slow")
+    return tuple(sorted({*quick, *asked}))
+
+
+def variants(methods: Iterable[str] | None, settings: Mapping[str, Mapping[str, Any]]) -> tuple[Variant, ...]:
     """Every method with every combination of its settings; a list of values is a grid.
 
     Raises
@@ -131,10 +170,9 @@ def variants(methods: list[str] | None, settings: Mapping[str, Mapping[str, Any]
     UnknownName, InputError
         A method or setting that does not exist, or settings of a method that is not part of the study.
     """
-    methods = list(methods or default_methods())
-    check_names(tuple(methods), ())
+    methods = tuple(methods or default_methods())
+    check_names((*methods, *settings))
     for method in settings:
-        check_names((method,), ())
         if method not in methods:
             raise InputError(f"There are settings for {method}, which is not part of the study.")
     return tuple(variant for method in methods for variant in _grid(method, settings.get(method, {})))
@@ -147,21 +185,45 @@ def perturbations(levels: Mapping[str, list[float]]) -> tuple[Perturbation, ...]
     ------
     UnknownName, InputError
     """
-    damage = [Perturbation(kind, float(level)) for kind, steps in levels.items() for level in steps if level]
-    for one in damage:
+    every = [Perturbation(kind, float(level)) for kind, steps in levels.items() for level in steps if level]
+    for one in every:
         one.check()
-    return (CLEAN, *damage)
+    return (CLEAN, *every)
 
 
-def _parse(name_or_path: str) -> dict[str, Any]:
-    preset = files("lpcompare.benchmark") / "presets" / f"{name_or_path}.toml"
-    source = preset if name_or_path in preset_names() else Path(name_or_path)
-    if isinstance(source, Path) and not source.is_file():
-        raise UnknownName("study", name_or_path, preset_names())
+def parse_assignments(assignments: Iterable[str], methods: Iterable[str]) -> dict[str, dict[str, Any]]:
+    """Settings per method, from ``method.setting=value`` words.
+
+    Values are read as TOML (``25``, ``0.5``, ``true``, ``"text"``); anything else is text.
+
+    Raises
+    ------
+    InputError
+        A word that is not an assignment, a method that is not part of the run, or a value of the wrong type.
+    UnknownName
+        No such method or setting.
+    """
+    methods = tuple(methods)
+    parsed: dict[str, dict[str, Any]] = {}
+    for word in assignments:
+        target, equals, text = word.partition("=")
+        method, dot, name = target.strip().partition(".")
+        if not (equals and dot and method and name and word.isprintable()):
+            raise InputError(f"--set {word!r} is not of the form method.setting=value.")
+        check_names([method])
+        if method not in methods:
+            raise InputError(f"--set {word!r}: {method} is not part of this run ({', '.join(methods)}).")
+        parsed.setdefault(method, {})[name] = _value(text.strip())
+    for method, chosen in parsed.items():
+        METHODS.check_settings(method, chosen)
+    return parsed
+
+
+def _value(text: str) -> Any:
     try:
-        return tomllib.loads(source.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise InputError(f"Study {name_or_path} cannot be read: {error}.") from error
+        return tomllib.loads(f"value = {text}")["value"]
+    except (tomllib.TOMLDecodeError, KeyError, RecursionError):
+        return text
 
 
 def _grid(method: str, settings: Mapping[str, Any]) -> list[Variant]:
@@ -169,5 +231,5 @@ def _grid(method: str, settings: Mapping[str, Any]) -> list[Variant]:
     lists = [value if isinstance(value, list) else [value] for value in settings.values()]
     combinations = [dict(zip(settings, point, strict=True)) for point in product(*lists)]
     for chosen in combinations:
-        check_settings(method, chosen)
+        METHODS.check_settings(method, chosen)
     return [Variant(method, chosen) for chosen in combinations]

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import gc
 import os
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 from statistics import median
 from time import perf_counter, process_time
 from typing import TypeVar
@@ -74,3 +76,20 @@ def _reference_work(points: np.ndarray) -> None:
     _, indices = KDTree(points).query(points, k=8, workers=1)
     gathered = points[indices]
     np.linalg.eigh(np.einsum("qki,qkj->qij", gathered, gathered))
+
+
+def peak_memory_mib() -> float | None:
+    """Largest resident memory of this process so far, in MiB.
+
+    Read from /proc where it exists: there ru_maxrss also counts what the parent held before exec.
+    """
+    status = Path("/proc/self/status")
+    if status.exists():
+        (line,) = [line for line in status.read_text().splitlines() if line.startswith("VmHWM:")]
+        return int(line.split()[1]) / 1024
+    if sys.platform == "win32":
+        return None
+    import resource
+
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return peak / 2**20 if sys.platform == "darwin" else peak / 1024

@@ -1,231 +1,312 @@
 """The child process of one case: ``python -m lpcompare.benchmark.worker FOLDER``.
 
-FOLDER/request.json says what to do. FOLDER/stage names what is being done, for the sentence of a process that
-dies. FOLDER/reply.json is written after the call and again after each metric, each time whole, so that a
-metric that kills the process leaves the method's own numbers; ``finished`` is true in the last one.
+FOLDER/request.json says what to do and is removed at once. The answer is written whole after each step, to
+the stream that the parent reads: a metric that ends the process leaves the method's own numbers.
 """
 
 from __future__ import annotations
 
 import hashlib
-import inspect
-import json
 import math
 import os
 import sys
 import traceback
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import replace
+from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
+import msgspec
 import numpy as np
 
-from lpcompare.benchmark.limits import CANNOT_WRITE, die_with_parent, limit_memory, peak_memory_mib
-from lpcompare.benchmark.verdict import fault, shortfall
-from lpcompare.errors import InputError, LpcompareError, NotApplicable, Unavailable
-from lpcompare.io.arrays import load_cloud, save_arrays
-from lpcompare.registry import METHODS, METRICS
-from lpcompare.types import Indices, PointCloud, Simplification
+from lpcompare.benchmark.case import Answer, Request
+from lpcompare.benchmark.environment import library
+from lpcompare.benchmark.record import Record, printable
+from lpcompare.benchmark.run_folder import file_digest
+from lpcompare.benchmark.timing import OtherPrograms, peak_memory_mib, reference_seconds, timed
+from lpcompare.children import answer_stream
+from lpcompare.errors import InputError, LpcompareError, MethodError, NotApplicable, Unavailable
+from lpcompare.io.arrays import digest, load_cloud, save_arrays
+from lpcompare.registry import METHODS, METRICS, Invocation, call
+from lpcompare.types import PointCloud, Simplification, Traits
 
-_SCALARS = (bool, int, float, str)
 _MARKS = ("labels", "curvature", "feature_mask")
 """What a method may say of each original point; kept beside the result, for the report."""
 
-
-class Case:
-    """The method of a case with its settings, ready to be called on any cloud."""
-
-    def __init__(self, request: dict[str, Any]) -> None:
-        self.name: str = request["method"]
-        self.traits = METHODS.traits(self.name)
-        self.settings: dict[str, Any] = dict(request["settings"])
-        self.entropy: list[int] = request["entropy"]
-        if self.settings:
-            self.traits = replace(self.traits, exact_count=False)
-
-    def generator(self) -> np.random.Generator:
-        """A fresh generator of the case's seed."""
-        return np.random.default_rng(np.random.SeedSequence(self.entropy))
-
-    def load(self) -> None:
-        """Import the method's file."""
-        self.function, self.module = METHODS.get(self.name), METHODS.module(self.name)
-
-    def calibrate(self, cloud: PointCloud, target: int) -> None:
-        """Run the method's own search for its settings, if it has one."""
-        if hasattr(self.module, "calibrate"):
-            found = self._call(self.module.calibrate, cloud, target, self.generator())
-            self.settings = {**found, **self.settings}
-
-    def call(self, cloud: PointCloud, target: int, rng: np.random.Generator) -> Simplification:
-        """The method's result."""
-        return self._call(self.function, cloud, target, rng)
-
-    def _call(self, function: Any, cloud: PointCloud, target: int, rng: np.random.Generator) -> Any:
-        parameters = inspect.signature(function).parameters
-        known = {"cloud": cloud} if "cloud" in parameters else {}
-        chosen = {k: v for k, v in self.settings.items() if k in parameters}
-        return function(cloud.points, target, rng=rng, **known, **chosen)
-
-    def effective_settings(self) -> dict[str, Any]:
-        """Every setting as it was used, JSON-ready."""
-        settings = METHODS.settings(self.name) | self.settings
-        return {k: v if v is None or isinstance(v, _SCALARS) else repr(v) for k, v in settings.items()}
+_ONE_GENERATOR_PER_PROCESS = "pymeshlab"
+_MOST_FACTS, _LONGEST_NAME = 100, 100
 
 
-@contextmanager
-def handing_over() -> Iterator[None]:
-    """End the process when the run's folder cannot be written: that is no fault of the method."""
-    try:
-        yield
-    except (OSError, InputError):
-        os._exit(CANNOT_WRITE)
+class Trouble(Exception):  # noqa: N818 - its parent decides what it is
+    """What is wrong is not the method: ``kind`` as in `Answer.trouble`."""
+
+    def __init__(self, kind: str, message: str) -> None:
+        super().__init__(message)
+        self.kind = kind
 
 
 class Reply:
-    """What the parent reads when this process has ended, however it ends."""
+    """What the parent is told."""
 
-    def __init__(self, folder: Path) -> None:
-        self.folder = folder
-        self.fields: dict[str, Any] = {"status": "ok", "message": "", "metrics": {}}
+    def __init__(self, stream: BinaryIO, request: Request) -> None:
+        self._stream = stream
+        self.answer = Answer(request.token, request.record)
 
-    def stage(self, name: str) -> None:
-        """Say what is being done."""
-        with handing_over():
-            (self.folder / "stage").write_text(name, encoding="utf-8")
+    @property
+    def record(self) -> Record:
+        """The record as it stands."""
+        return self.answer.record
 
-    def write(self, **fields: Any) -> None:
-        """Add fields and write the reply whole."""
-        self.fields |= fields
-        part = self.folder / "reply.part"
-        text = json.dumps(self.fields)
-        with handing_over():
-            part.write_text(text, encoding="utf-8")
-            os.replace(part, self.folder / "reply.json")
+    def note(self, **fields: Any) -> None:
+        """Add fields of the record."""
+        record = msgspec.structs.replace(self.record, **fields)
+        self.answer = msgspec.structs.replace(self.answer, record=record)
+
+    def send(self, stage: str = "", *, finished: bool = False, trouble: str = "") -> None:
+        """Tell what there is, and what is done next."""
+        self.answer = msgspec.structs.replace(
+            self.answer, stage=stage or self.answer.stage, finished=finished, trouble=trouble
+        )
+        self._stream.write(msgspec.json.encode(self.answer) + b"\n")
+
+    def end(self, status: str, message: str, trouble: str = "") -> None:
+        """Tell how it ended."""
+        self.note(status=status, message=message)
+        self.send(finished=True, trouble=trouble)
 
 
 def main() -> None:
     """Run the case of the folder given on the command line."""
-    folder = Path(sys.argv[1])
-    request = json.loads((folder / "request.json").read_text(encoding="utf-8"))
-    die_with_parent(request["parent"])
-    limit_memory(request["memory_limit_mib"])
-    reply = Reply(folder)
+    path = Path(sys.argv[1]) / "request.json"
+    request = msgspec.json.decode(path.read_bytes(), type=Request)
+    path.unlink()
+    reply = Reply(answer_stream(), request)
     try:
-        result = _simplify(request, reply)
-        if result is not None:
-            _judge(request, result, reply)
-        reply.write(finished=True)
+        if request.trial:
+            _try_settings(request, reply)
+        else:
+            _judge(request, _simplify(request, reply), reply)
+        reply.end("ok", reply.record.message)
+    except Trouble as error:
+        reply.end("failed", str(error), error.kind)
     except (NotApplicable, Unavailable) as error:
-        reply.write(status="skipped", message=str(error), finished=True)
+        reply.end("skipped", _text(error))
     except MemoryError as error:
-        limit = request["memory_limit_mib"]
-        reply.write(status="failed", message=f"Out of memory (limit {limit} MiB): {error}.", finished=True)
+        reply.end("failed", f"Out of memory: {_text(error)}.")
+    except MethodError as error:
+        reply.end("failed", _text(error).removeprefix(f"{request.record.method}: "))
     except LpcompareError as error:
-        reply.write(status="failed", message=str(error), finished=True)
-    except Exception as error:
-        traceback.print_exc()
-        reply.write(status="failed", message=f"{type(error).__name__}: {error}.", finished=True)
+        reply.end("failed", _text(error))
+    except BaseException as error:
+        with suppress(Exception):
+            traceback.print_exc(limit=20)
+        reply.end("failed", f"{type(error).__name__}: {_text(error)}.")
 
 
-def _simplify(request: dict[str, Any], reply: Reply) -> Simplification | None:
-    """Load, calibrate, warm up, time the call, check the result."""
-    from lpcompare.benchmark.timing import OtherPrograms, reference_seconds, timed
-    from lpcompare.benchmark.warmup import load_library, warm_up
+def _try_settings(request: Request, reply: Reply) -> None:
+    """Call the method with its settings on a small cloud, and where it does not want that, on the input."""
+    record = request.record
+    reply.send("the trial of the settings")
+    with suppress(LpcompareError, TypeError, ValueError):
+        call(record.method, _torus(), 64, settings=request.settings)
+        return
+    cloud = _load(request.input, request.input_sha256)
+    try:
+        call(
+            record.method, cloud, record.target_count, random_state=_seed(request), settings=request.settings
+        )
+    except (NotApplicable, Unavailable, MethodError):
+        return
+    except (LpcompareError, TypeError, ValueError) as error:
+        raise Trouble("settings", _text(error)) from error
 
-    reply.stage("the import")
+
+def _simplify(request: Request, reply: Reply) -> tuple[PointCloud, Simplification]:
+    """Load, warm up, calibrate, time the call, verify the result; returns the input and the result."""
+    record = request.record
+    reply.send("the import")
     others = OtherPrograms()
-    case, target = Case(request), int(request["target_count"])
-    load_library(case.traits)
-    case.load()
-    reply.stage("the warm-up")
-    warm_up(case.call, case.traits)
-    before, cloud = load_cloud(Path(request["input"])), load_cloud(Path(request["input"]))
-    reply.stage("the calibration")
-    _, search = timed(lambda: case.calibrate(cloud, target))
+    traits = METHODS.traits(record.method)
+    _load_library(traits)
+    METHODS.get(record.method)
+    reply.send("the warm-up")
+    before, cloud = (_load(request.input, request.input_sha256) for _ in range(2))
+    _warm_up(request, traits)
+    invocation = Invocation(
+        record.method, cloud, record.target_count, random_state=_seed(request), settings=request.settings
+    )
+    reply.send("the calibration")
+    _, search = timed(invocation.calibrate)
     before_call = reference_seconds()
-    reply.stage("the call")
-    result, seconds = timed(lambda: case.call(cloud, target, case.generator()))
+    reply.send("the call")
+    result, seconds = timed(invocation.call)
     peak = peak_memory_mib()
     after_call = reference_seconds()
-    reply.stage("the check of the result")
-    wrong = fault(result, before, cloud, target, case.traits)
-    reply.fields |= {
-        "runtime_s": seconds.wall,
-        "cpu_s": seconds.cpu,
-        "calibration_s": search.wall if hasattr(case.module, "calibrate") else None,
-        "reference_s": (before_call.wall + after_call.wall) / 2,
-        "reference_cpu_s": (before_call.cpu + after_call.cpu) / 2,
-        "foreign_load": others.load(),
-        "peak_memory_mib": peak,
-        "settings": case.effective_settings(),
-        "needs_mesh": case.traits.needs_mesh,
-    }
-    if wrong:
-        reply.write(status="failed", message=wrong)
-        return None
-    reply.fields["message"] = shortfall(len(result), target, case.traits)
-    if request["refine"] and result.indices is not None:
-        result = _refine(before, result, result.indices, reply)
-    reply.write(**_facts(result))
-    return result
+    reply.send("the check of the result")
+    reply.note(
+        runtime_s=seconds.wall,
+        cpu_s=seconds.cpu,
+        calibration_s=search.wall if invocation.has_calibration else None,
+        reference_s=(before_call.wall + after_call.wall) / 2,
+        reference_cpu_s=(before_call.cpu + after_call.cpu) / 2,
+        foreign_load=others.load(),
+        peak_memory_mib=peak,
+        settings=_facts(invocation.effective_settings(), other=repr),
+        needs_mesh=traits.needs_mesh,
+    )
+    reply.note(message=invocation.verify(result, before))
+    if request.refine and result.indices is not None:
+        result = _refine(before, result, reply)
+    reply.note(
+        n_output=len(result),
+        subset=result.indices is not None,
+        timings=_seconds(result.timings),
+        info=_facts(result.info),
+        points_sha256=hashlib.sha256(np.ascontiguousarray(result.points).data).hexdigest(),
+    )
+    return before, result
 
 
-def _refine(cloud: PointCloud, result: Simplification, rows: Indices, reply: Reply) -> Simplification:
-    """Exchange points of a subset by `lpcompare.uniform`; its seconds count as runtime."""
-    from lpcompare.benchmark.timing import timed
+def _refine(cloud: PointCloud, result: Simplification, reply: Reply) -> Simplification:
+    """Improve a subset by swaps; their seconds count as runtime."""
     from lpcompare.uniform.swaps import refine
 
-    reply.stage("the refinement")
-    indices, seconds = timed(lambda: refine(cloud.points, rows))
-    reply.fields |= {"refined": True, "runtime_s": reply.fields["runtime_s"] + seconds.wall}
-    reply.fields["cpu_s"] += seconds.cpu
+    reply.send("the refinement")
+    indices, seconds = timed(lambda: refine(cloud.points, np.asarray(result.indices)))
+    record = reply.record
+    reply.note(
+        refined=True,
+        runtime_s=(record.runtime_s or 0.0) + seconds.wall,
+        cpu_s=(record.cpu_s or 0.0) + seconds.cpu,
+    )
     timings = {**result.timings, "refine": seconds.wall}
-    return Simplification(cloud.points[indices], indices, timings, result.info)
+    return replace(result, points=cloud.points[indices], indices=indices, timings=timings)
 
 
-def _facts(result: Simplification) -> dict[str, Any]:
-    return {
-        "n_output": len(result),
-        "subset": result.indices is not None,
-        "timings": {str(k): float(v) for k, v in result.timings.items()},
-        "info": {str(k): v for k, v in result.info.items() if _is_scalar(v)},
-        "points_sha256": hashlib.sha256(np.ascontiguousarray(result.points).data).hexdigest(),
-    }
-
-
-def _is_scalar(value: object) -> bool:
-    return isinstance(value, _SCALARS) and not (isinstance(value, float) and not math.isfinite(value))
-
-
-def _judge(request: dict[str, Any], result: Simplification, reply: Reply) -> None:
+def _judge(request: Request, done: tuple[PointCloud, Simplification], reply: Reply) -> None:
     """Measure the result against the clean cloud, one metric after another, and keep it."""
     from lpcompare.metrics.comparison import Comparison
 
-    clean = load_cloud(Path(request["clean"]))
+    clean, result = done
+    if request.clean:
+        clean = _load(request.clean, request.clean_sha256)
     comparison = Comparison(clean.points, result.points)
-    for name in request["metrics"]:
-        reply.stage(f"the metric {name}")
+    for name in request.metrics:
+        reply.send(f"the metric {name}")
         try:
-            values = METRICS.get(name)(comparison)
-        except LpcompareError as error:
-            reply.fields["message"] = f"{reply.fields['message']} Metric {name}: {error}".strip()
-            values = {}
-        numbers = {k: float(v) if math.isfinite(v) else None for k, v in values.items()}
-        reply.write(metrics=reply.fields["metrics"] | numbers)
-    reply.stage("the writing of the result")
-    if request["output"]:
-        arrays = {"points": result.points, "plane_errors": comparison.plane_errors(8).astype(np.float32)}
-        if result.indices is not None:
-            arrays["indices"] = result.indices
-        arrays |= {name: result.info[name] for name in _MARKS if name in result.info}
-        with handing_over():
-            save_arrays(Path(request["output"]), arrays)
+            values = _seconds(METRICS.get(name)(comparison))
+        except MemoryError:
+            raise
+        except Exception as error:
+            reply.note(message=f"{reply.record.message} Metric {name}: {_text(error)}".strip())
+            continue
+        reply.note(metrics={**reply.record.metrics, **values})
+    if request.output:
+        reply.send("the writing of the result")
+        arrays = {"plane_errors": comparison.plane_errors(8).astype(np.float32)} if request.metrics else {}
+        _keep(Path(request.output), result, arrays, reply)
+
+
+def _keep(path: Path, result: Simplification, arrays: dict[str, np.ndarray], reply: Reply) -> None:
+    arrays = {"points": result.points, **arrays}
+    if result.indices is not None:
+        arrays["indices"] = np.asarray(result.indices)
+    marks = {name: np.asarray(result.info[name]) for name in _MARKS if name in result.info}
+    arrays |= {name: mark for name, mark in marks.items() if mark.dtype.kind in "biuf"}
+    try:
+        save_arrays(path, arrays)
+    except InputError as error:
+        raise Trouble("output", str(error)) from error
+    reply.note(cloud_sha256=file_digest(path))
+
+
+def _load_library(traits: Traits) -> None:
+    """Import the library that the method wraps; what is missing is the method's to report."""
+    for name in (library(traits), *traits.requires):
+        with suppress(ImportError):
+            import_module(name)
+
+
+def _warm_up(request: Request, traits: Traits) -> None:
+    """Call the method once on a small closed mesh, so that lazy imports and thread pools are not timed.
+
+    MeshLab's methods are left out: they draw from one generator per process that cannot be seeded, and give
+    the same points again only after the same calls in a fresh process. An error is left to the call itself.
+    """
+    if library(traits) == _ONE_GENERATOR_PER_PROCESS:
+        return
+    try:
+        call(request.record.method, _torus(), 64, settings=request.settings)
+    except MemoryError:
+        raise
+    except Exception:
+        return
+
+
+def _torus() -> PointCloud:
+    from lpcompare.models.synthetic import torus
+
+    return torus(16, 16)
+
+
+def _load(path: str, sha256: str) -> PointCloud:
+    """A cloud on disk, which another method may have changed."""
+    try:
+        cloud = load_cloud(Path(path))
+    except InputError as error:
+        raise Trouble("input", str(error)) from error
+    if digest(cloud) != sha256:
+        raise Trouble("input", f"{path} is not the cloud that this run has written.")
+    return cloud
+
+
+def _seed(request: Request) -> np.random.SeedSequence:
+    return np.random.SeedSequence(request.entropy)
+
+
+def _text(error: BaseException) -> str:
+    """An error's text in one line; an error may fail to have one."""
+    try:
+        return printable(str(error))
+    except Exception:
+        return "no text"
+
+
+def _seconds(values: Mapping[str, Any]) -> dict[str, float]:
+    """Numbers as plain floats by plain names; NaN becomes null on its way."""
+    return {_name(k): float(v) for k, v in list(values.items())[:_MOST_FACTS]}
+
+
+def _facts(values: Mapping[str, Any], other: Any = None) -> dict[str, Any]:
+    """The plain values of a mapping, bounded; others as ``other`` makes text of them, or left out."""
+    facts = {}
+    for key, given in list(values.items())[:_MOST_FACTS]:
+        value = _plain(given.item() if isinstance(given, np.generic) else given)
+        if value is None and given is not None and other is not None:
+            value = printable(other(given))
+        if value is not None or other is not None:
+            facts[_name(key)] = value
+    return facts
+
+
+def _plain(value: Any) -> bool | int | float | str | None:
+    """A truth value, a finite number or a text, also of a subclass; None for anything else."""
+    if isinstance(value, str):
+        return printable(str(value))
+    if isinstance(value, bool):
+        return value
+    if isinstance(value, int) and abs(value) < 2**63:
+        return int(value)
+    return float(value) if isinstance(value, float) and math.isfinite(value) else None
+
+
+def _name(key: object) -> str:
+    return printable(str(key), _LONGEST_NAME)
 
 
 if __name__ == "__main__":
     main()
     sys.stderr.flush()
-    os._exit(0)  # the reply is on disk; what libraries do at the end of a process would only be waited for
+    os._exit(0)  # the answer is told; what libraries do at the end of a process would only be waited for

@@ -12,11 +12,12 @@ import typer
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from lpcompare.benchmark.estimate import Estimate
     from lpcompare.benchmark.plan import Plan
-    from lpcompare.cli._progress import RunProgress
+    from lpcompare.benchmark.record import Run
+    from lpcompare.cli._progress import Estimate, RunProgress
     from lpcompare.types import PointCloud
 
+EXIT_NOT_ALL_OK = 1
 EXIT_STOPPED = 130
 Many = list[str] | None
 
@@ -66,11 +67,17 @@ def command(
     resume: Annotated[
         bool, typer.Option("--resume", help="Continue the run in --out; finished cases are kept.")
     ] = False,
+    strict: Annotated[
+        bool, typer.Option("--strict", help="Refuse models with points that have no finite coordinates.")
+    ] = False,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Print the plan and stop.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress.")] = False,
 ) -> None:
-    """Run methods side by side and print their errors and runtimes."""
-    from lpcompare.benchmark.inputs import load_models
+    """Run methods side by side and print their errors and runtimes.
+
+    The exit code is 0 when every case is ok, 1 when one is not, 2 when none could be run, 130 after Ctrl-C.
+    """
+    from lpcompare.benchmark.runner import load_models
     from lpcompare.errors import InputError
 
     if resume and out is None:
@@ -88,23 +95,28 @@ def command(
     }
     machine = {"memory_limit_mib": memory_limit, "threads": threads, "jobs": jobs}
     plan = _plan(study, flags, assignments or [], machine)
-    models = load_models(plan.models)
-    name = Path(study).stem or "-".join(cloud.name for cloud in models.values())
-    folder = out or Path("reports/local") / f"{datetime.now():%Y%m%d-%H%M%S}-{name}"
+    models = load_models(plan.models, strict=strict, tell=lambda sentence: typer.echo(sentence, err=True))
     if dry_run:
         typer.echo(_description(plan, models))
-    else:
-        _run(plan, models, folder, resume=resume, quiet=quiet)
+        return
+    name = Path(study).stem or "-".join(cloud.name for cloud in models.values())
+    done = _run(plan, models, out or _default_folder(name), resume=resume, quiet=quiet)
+    if any(record.status != "ok" for record in done.records):
+        raise typer.Exit(EXIT_NOT_ALL_OK)
 
 
-def _plan(study: str, flags: dict[str, Any], assignments: list[str], machine: dict[str, int | None]) -> Plan:
+def _default_folder(name: str) -> Path:
+    from lpcompare.benchmark.run_folder import file_name
+
+    return Path("reports/local") / f"{datetime.now():%Y%m%d-%H%M%S}-{file_name(name)}"
+
+
+def _plan(study: str, flags: dict[str, Any], assignments: list[str], machine: dict[str, Any]) -> Plan:
     """The plan: flags go before the study, the study before the defaults."""
-    from lpcompare.benchmark.plan import default_methods
-    from lpcompare.benchmark.settings import parse_assignments
-    from lpcompare.benchmark.study import build_plan, read_study
+    from lpcompare.benchmark.study import build_plan, default_methods, parse_assignments, read_study
     from lpcompare.errors import InputError
 
-    fields = read_study(study) if study else {}
+    fields: Any = dict(read_study(study)) if study else {}
     settings = fields.pop("settings", {})
     if flags["methods"]:
         settings = {name: chosen for name, chosen in settings.items() if name in flags["methods"]}
@@ -119,20 +131,27 @@ def _plan(study: str, flags: dict[str, Any], assignments: list[str], machine: di
     return build_plan(fields | {"settings": settings}, **machine)
 
 
-def _run(plan: Plan, models: Mapping[str, PointCloud], folder: Path, *, resume: bool, quiet: bool) -> None:
+def _run(plan: Plan, models: Mapping[str, PointCloud], folder: Path, *, resume: bool, quiet: bool) -> Run:
+    """Run the plan, print its table and write its page."""
     from lpcompare.benchmark.runner import run_plan, silent
     from lpcompare.cli._progress import shows_progress
-    from lpcompare.report.page import write_page
+    from lpcompare.registry import METHODS
     from lpcompare.report.tables import format_run
 
+    for note in METHODS.notes:
+        typer.echo(note, err=True)
     try:
         with _progress(plan, models) if shows_progress(quiet) else nullcontext(silent) as listener:
             run = run_plan(plan, models, folder, resume=resume, listener=listener)
     except KeyboardInterrupt:
         typer.echo(f"\nStopped. Continue with the same command and --resume --out {folder}", err=True)
         raise typer.Exit(EXIT_STOPPED) from None
+    if run.n_damaged:
+        lost = _count(run.n_damaged, "damaged record")
+        typer.echo(f"{lost} of the earlier start could not be read; the cases were run again.", err=True)
     typer.echo(format_run(run))
-    typer.echo(f"\nThe run is in {folder}; look at it in {write_page(folder)}.")
+    typer.echo(f"\nThe run is in {folder}; look at it in {run.report()}.")
+    return run
 
 
 def _progress(plan: Plan, models: Mapping[str, PointCloud]) -> RunProgress:
@@ -145,27 +164,26 @@ def _progress(plan: Plan, models: Mapping[str, PointCloud]) -> RunProgress:
 
 
 def _estimate(plan: Plan, models: Mapping[str, PointCloud]) -> Estimate:
-    from lpcompare.benchmark.case import start_seconds
-    from lpcompare.benchmark.estimate import Estimate
+    from lpcompare.cli._progress import Estimate, start_seconds
 
     return Estimate({name: len(cloud) for name, cloud in models.items()}, plan.jobs, start_seconds())
 
 
 def _size(plan: Plan, estimate: Estimate) -> str:
-    from lpcompare.benchmark.estimate import duration
+    from lpcompare.cli._progress import duration
 
     return f"{_count(len(plan), 'case')}, about {duration(estimate.remaining_s(plan.cases()))}"
 
 
 def _description(plan: Plan, models: Mapping[str, PointCloud]) -> str:
     """The plan in words, for --dry-run."""
-    from lpcompare.benchmark.plan import target_count
+    from lpcompare.checks import target_from_reduction
     from lpcompare.registry import METHODS
 
     lines = [_size(plan, _estimate(plan, models)), "", "models:"]
     for cloud in models.values():
         counts = ", ".join(
-            f"{target_count(len(cloud), r):,} ({100 * r:g} % removed)" for r in plan.reductions
+            f"{target_from_reduction(len(cloud), r):,} ({100 * r:g} % removed)" for r in plan.reductions
         )
         lines.append(f"  {cloud.name}: {counts} of {len(cloud):,} points")
     lines.append("methods:")

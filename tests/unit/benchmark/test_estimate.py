@@ -2,12 +2,10 @@
 
 import pytest
 
-from lpcompare.benchmark.case import start_seconds
-from lpcompare.benchmark.estimate import Estimate, duration
 from lpcompare.benchmark.plan import Plan, Variant
 from lpcompare.benchmark.record import Record
 from lpcompare.cli import _progress
-from lpcompare.cli._progress import RunProgress
+from lpcompare.cli._progress import Estimate, RunProgress, duration, start_seconds
 
 PLAN = Plan(("small", "large"), (Variant("quick"), Variant("slow")), reductions=(0.8,), repeats=5)
 SIZES = {"small": 1000, "large": 100_000}

@@ -6,9 +6,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from lpcompare.benchmark.perturbation import LARGEST_LEVEL, Perturbation, mean_spacing, perturb
-from lpcompare.benchmark.warmup import torus
 from lpcompare.errors import InputError, UnknownName
 from lpcompare.geometry.neighbors import Neighbors
+from lpcompare.models.synthetic import torus
 from lpcompare.registry import METHODS
 from lpcompare.types import PointCloud
 
@@ -18,7 +18,7 @@ KINDS = [kind for kind in LARGEST_LEVEL if kind != "none"]
 @pytest.fixture(scope="module")
 def cloud():
     rng = np.random.default_rng(2)
-    bare = torus()
+    bare = torus(16, 16)
     return PointCloud(
         bare.points, bare.normals, rng.random((256, 4)), {"id": np.arange(256)}, bare.faces, name="torus"
     )
@@ -39,7 +39,7 @@ def test_same_seed_same_damage_and_the_clean_cloud_is_left_alone(cloud, kind, le
 @given(kind=st.sampled_from(KINDS), level=st.floats(0, 0.9), seed=st.integers(0, 99))
 @settings(max_examples=60, deadline=None)
 def test_everything_a_cloud_carries_stays_in_step_with_its_points(kind, level, seed):
-    bare = torus()
+    bare = torus(16, 16)
     cloud = PointCloud(bare.points, bare.normals, None, {"id": np.arange(256)}, bare.faces, name="torus")
     damaged = perturb(cloud, Perturbation(kind, level), seed)
     assert len(damaged.normals) == len(damaged.attributes["id"]) == len(damaged)
@@ -88,7 +88,7 @@ def test_degenerate_clouds_can_be_damaged(kind, points):
 
 @pytest.mark.parametrize("method", [name for name in METHODS if METHODS.traits(name).needs_mesh])
 def test_methods_that_need_the_mesh_never_see_outliers(method):
-    clean = torus()
+    clean = torus(16, 16)
     damaged = perturb(clean, Perturbation("outliers", 1.0), 0)
     settings = METHODS.module(method).calibrate(
         damaged.points, 64, rng=np.random.default_rng(0), cloud=damaged
