@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lpcompare.benchmark.run_folder import file_name
 from lpcompare.benchmark.record import SCHEMA_VERSION, Record
+from lpcompare.benchmark.run_folder import file_name
 from lpcompare.io.arrays import save_arrays
 from lpcompare.metrics.comparison import Comparison
 from lpcompare.metrics.hausdorff import hausdorff

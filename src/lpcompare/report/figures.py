@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 
-from lpcompare.benchmark.run_folder import file_name
 from lpcompare.benchmark.record import Run
+from lpcompare.benchmark.run_folder import file_name
 from lpcompare.files import whole_file
 from lpcompare.io.arrays import load_arrays
 from lpcompare.report.cells import (

@@ -17,8 +17,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from lpcompare.benchmark.run_folder import file_name
 from lpcompare.benchmark.record import Run
+from lpcompare.benchmark.run_folder import file_name
 from lpcompare.errors import InputError
 from lpcompare.files import replace_text
 from lpcompare.geometry.neighbors import Neighbors
