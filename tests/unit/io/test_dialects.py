@@ -12,8 +12,14 @@ from lpcompare.types import PointCloud
 
 ROWS = "0 0 0\n1 0 0\n0 1 0\n"
 TRIANGLE = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
-PCD = "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 3\nHEIGHT 1\nPOINTS 3\nDATA ascii\n"
-PLY = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nend_header\n"
+PCD = (
+    "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\n"
+    "WIDTH 3\nHEIGHT 1\nPOINTS 3\nDATA ascii\n"
+)
+PLY = (
+    "ply\nformat ascii 1.0\nelement vertex 3\n"
+    "property float x\nproperty float y\nproperty float z\nend_header\n"
+)
 FILES = {
     "version .5": ("a.pcd", PCD.replace("VERSION 0.7", "VERSION .5") + ROWS),
     "no version": ("a.pcd", PCD.replace("VERSION 0.7\n", "") + ROWS),
@@ -129,7 +135,8 @@ COLORED = {
     "a.off": "COFF\n3 0 0\n0 0 0 255 0 0 255\n1 0 0 10 20 30 255\n0 1 0 128 128 128 255\n",
     "b.off": "NCOFF\n3 0 0\n0 0 0 0 0 1 255 0 0\n1 0 0 0 0 1 10 20 30\n0 1 0 0 0 1 128 128 128\n",
     "a.csv": "x,y,z,red,green,blue\n0,0,0,255,0,0\n1,0,0,10,20,30\n0,1,0,128,128,128\n",
-    "a.txt": "//X Y Z Rf Gf Bf\n0 0 0 1 0 0\n1 0 0 0.0392156862745098 0.0784313725490196 0.11764705882352941\n"
+    "a.txt": "//X Y Z Rf Gf Bf\n0 0 0 1 0 0\n"
+    "1 0 0 0.0392156862745098 0.0784313725490196 0.11764705882352941\n"
     "0 1 0 0.5019607843137255 0.5019607843137255 0.5019607843137255\n",
 }
 

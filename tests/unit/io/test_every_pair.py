@@ -116,7 +116,7 @@ def same(first, second):
     """Whether two arrays hold the same numbers, whatever their types are; NaN equals NaN."""
     first, second = np.ravel(first).tolist(), np.ravel(second).tolist()
     return len(first) == len(second) and all(
-        a == b or (a != a and b != b) for a, b in zip(first, second, strict=True)
+        a == b or (np.isnan(a) and np.isnan(b)) for a, b in zip(first, second, strict=True)
     )
 
 
