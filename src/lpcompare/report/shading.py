@@ -10,7 +10,6 @@ from lpcompare.geometry.scale import bounding_box_center
 from lpcompare.types import Points, Vector
 
 _N_NEIGHBORS = 12
-_BLOCK = 65536
 
 
 def local_normals(points: Points) -> Points:
@@ -18,11 +17,7 @@ def local_normals(points: Points) -> Points:
     if len(points) < 3:
         return np.tile([0.0, 0.0, 1.0], (len(points), 1))
     centred = points - bounding_box_center(points)
-    normals, tree = np.empty(points.shape), Neighbors(centred)
-    for start in range(0, len(points), _BLOCK):
-        block = slice(start, start + _BLOCK)
-        normals[block] = fit_planes(centred[tree.query(centred[block], _N_NEIGHBORS)[1]])[1]
-    return normals
+    return fit_planes(centred, Neighbors(centred).query(centred, _N_NEIGHBORS)[1])[1]
 
 
 def brightness(normals: Points, light: Vector) -> Vector:
