@@ -63,7 +63,7 @@ def _surface_variation(points: Points, n_neighbors: int) -> Vector:
     for start in range(0, len(points), _BLOCK):
         block = slice(start, start + _BLOCK)
         hoods = points[neighbors[block]]
-        centroids, normals = fit_planes(hoods)
+        centroids, normals = fit_planes(points, neighbors[block])
         offsets = hoods - centroids[:, None, :]
         along = np.square(np.einsum("qki,qi->qk", offsets, normals)).sum(axis=1)
         total = np.square(offsets).sum(axis=(1, 2))

@@ -14,6 +14,9 @@ Result = TypeVar("Result")
 Progress = Callable[[int, int], None]
 """Called with (done, total)."""
 
+BLOCK = 4096
+"""Rows of a block of `for_blocks`."""
+
 
 def thread_count() -> int:
     """Threads to use: ``LPCOMPARE_THREADS`` if it is set, else the processors this process may run on."""
@@ -71,6 +74,13 @@ def map_in_threads(
             pool.shutdown(wait=False, cancel_futures=True)
             raise
         return [future.result() for future in futures]
+
+
+def for_blocks(
+    n_rows: int, work: Callable[[slice], None], progress: Progress | None = None, size: int = BLOCK
+) -> None:
+    """Call ``work`` for one block of rows after the other, in parallel; the blocks are always the same."""
+    map_in_threads(work, [slice(i, min(i + size, n_rows)) for i in range(0, n_rows, size)], progress)
 
 
 def _in_this_thread(

@@ -6,7 +6,9 @@ Stages that end with kept points carry the eq. 27 error of these in ``extra_info
 import numpy as np
 import pytest
 
+from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.geometry.scale import normalize
+from lpcompare.geometry.surface import estimate_surface
 from lpcompare.metrics.comparison import Comparison
 from lpcompare.paper.clustering import cluster_points
 from lpcompare.paper.curvature import estimate_curvature
@@ -21,16 +23,20 @@ from lpcompare.uniform.clusters import (
 )
 from lpcompare.uniform.placement import place_points
 from lpcompare.uniform.program import Stop
-from lpcompare.uniform.quadrics import estimate_surface
 
 N_CLUSTERS, SHARE_KEPT, N_ROUNDS, TOLERANCE = 20, 0.1, 12, 0.01
 
 
 @pytest.fixture(scope="module")
-def cloud():
+def tree():
     from lpcompare.models import load_model
 
-    return normalize(load_model("bunny").points)[0]
+    return Neighbors(normalize(load_model("bunny").points)[0])
+
+
+@pytest.fixture(scope="module")
+def cloud(tree):
+    return tree.sorted_points
 
 
 @pytest.fixture(scope="module")
@@ -49,8 +55,8 @@ def curvature(cloud):
 
 
 @pytest.fixture(scope="module")
-def surface(cloud):
-    return estimate_surface(cloud)
+def surface(tree):
+    return estimate_surface(tree)
 
 
 @pytest.fixture(scope="module")
@@ -59,13 +65,13 @@ def density(cloud, labels):
 
 
 @pytest.fixture(scope="module")
-def spread(cloud, surface, curvature, density, n_keep):
-    return spread_points(cloud, surface, curvature, density, n_keep)
+def spread(tree, surface, curvature, density, n_keep):
+    return spread_points(tree, surface, curvature, density, n_keep)
 
 
 @pytest.fixture(scope="module")
-def refined(cloud, spread, density):
-    return refine_in_density(cloud, spread, density, N_ROUNDS, TOLERANCE)
+def refined(tree, spread, density):
+    return refine_in_density(tree, spread, density, N_ROUNDS, TOLERANCE)
 
 
 def timed(benchmark, stage):
@@ -99,17 +105,17 @@ def test_selection(benchmark, cloud, labels, curvature, n_keep, method):
     judge(benchmark, cloud, cloud[timed(benchmark, select)[0]])
 
 
-def test_surface(benchmark, cloud):
-    assert len(timed(benchmark, lambda: estimate_surface(cloud)).areas) == len(cloud)
+def test_surface(benchmark, tree):
+    assert len(timed(benchmark, lambda: estimate_surface(tree)).areas) == len(tree.points)
 
 
-def test_cells(benchmark, cloud, surface, curvature, density, n_keep):
-    spread = timed(benchmark, lambda: spread_points(cloud, surface, curvature, density, n_keep))
+def test_cells(benchmark, tree, cloud, surface, curvature, density, n_keep):
+    spread = timed(benchmark, lambda: spread_points(tree, surface, curvature, density, n_keep))
     judge(benchmark, cloud, cloud[spread])
 
 
-def test_refinement(benchmark, cloud, density, spread):
-    refined = timed(benchmark, lambda: refine_in_density(cloud, spread, density, N_ROUNDS, TOLERANCE))
+def test_refinement(benchmark, tree, cloud, density, spread):
+    refined = timed(benchmark, lambda: refine_in_density(tree, spread, density, N_ROUNDS, TOLERANCE))
     judge(benchmark, cloud, cloud[refined])
 
 

@@ -1,13 +1,19 @@
-"""k nearest neighbours: scipy's k-d tree, with the project's shapes and threads."""
+"""k nearest neighbours: a compiled k-d tree, which also gives an order in which near points lie together."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import KDTree
 
-from lpcompare.threads import thread_count
+from lpcompare.threads import Progress, for_blocks, map_in_threads
 from lpcompare.types import Indices, Points
+
+Rows = NDArray[np.int32]
+Block = Callable[[slice, NDArray[np.float64], Rows], None]
+
+_TOP_LEVELS = 3
 
 
 class Neighbors:
@@ -17,20 +23,40 @@ class Neighbors:
     ----------
     points : ndarray, shape (n, 3)
         The cloud, finite, in model units.
+
+    Attributes
+    ----------
+    points : ndarray, shape (n, 3)
+        As given.
+    order : ndarray of int32, shape (n,)
+        Every row once, near rows together.
+    sorted_points : ndarray, shape (n, 3)
+        ``points[order]``, whose rows are the places of the tree.
+    leaves : ndarray of int64, shape (l + 1,)
+        First place of each leaf, and n.
+    arrays : tuple of ndarray
+        What the kernels take: ``sorted_points``, the places of each node, and its box.
     """
 
     def __init__(self, points: Points) -> None:
+        from lpcompare.geometry.kernels import LEAF, build_tree
+
+        n_points = len(points)
+        n_levels = 1 + max(0, int(np.ceil(np.log2(max(n_points, 1) / LEAF))))
+        starts = np.zeros((2**n_levels - 1, 2), dtype=np.int64)
+        starts[0, 1] = n_points
         self.points = points
-        self._tree = KDTree(points, balanced_tree=False, compact_nodes=True, leafsize=32)
+        self.order = np.arange(n_points, dtype=np.int32)
+        self.sorted_points = np.array(points, dtype=np.float64, order="C")
+        self.arrays = self.sorted_points, starts, np.empty((len(starts), 6))
+        n_top = min(_TOP_LEVELS, n_levels - 1)
+        state = self.sorted_points, self.order, *self.arrays[1:]
+        build_tree(*state, 0, n_top)
+        below = range(2**n_top - 1, 2 ** (n_top + 1) - 1)
+        map_in_threads(lambda node: build_tree(*state, node, n_levels - n_top), below)
+        self.leaves = np.append(starts[len(starts) // 2 :, 0], n_points)
 
-    @property
-    def spatial_order(self) -> Indices:
-        """Every row once, near rows together, shape (n,): queries in this order find the tree in cache."""
-        return self._tree.indices
-
-    def query(
-        self, queries: Points, n_neighbors: int, *, n_threads: int | None = None
-    ) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
+    def query(self, queries: Points, n_neighbors: int) -> tuple[NDArray[np.float64], Indices]:
         """Nearest rows of the cloud for each query point.
 
         Parameters
@@ -38,8 +64,6 @@ class Neighbors:
         queries : ndarray, shape (q, 3)
         n_neighbors : int
             Neighbours per query; cut to the size of the cloud.
-        n_threads : int, optional
-            By default `thread_count`; 1 where the caller already runs in one of several threads.
 
         Returns
         -------
@@ -49,6 +73,38 @@ class Neighbors:
             Rows of the cloud.
         """
         k = min(n_neighbors, len(self.points))
-        distances, indices = self._tree.query(queries, k=k, workers=n_threads or thread_count())
-        shape = (len(queries), k)
-        return np.reshape(distances, shape), np.reshape(indices, shape)
+        distances, indices = np.empty((len(queries), k)), np.empty((len(queries), k), dtype=np.intp)
+
+        def keep(block: slice, squares: NDArray[np.float64], places: Rows) -> None:
+            np.sqrt(squares, out=distances[block])
+            indices[block] = self.order[places]
+
+        self.each(queries, k, keep)
+        return distances, indices
+
+    def each(self, queries: Points, n_neighbors: int, work: Block, progress: Progress | None = None) -> None:
+        """Call ``work`` with the neighbours of one block of queries after the other, from several threads.
+
+        Parameters
+        ----------
+        queries : ndarray, shape (q, 3)
+        n_neighbors : int
+            Neighbours per query; cut to the size of the cloud.
+        work : callable
+            Called with the block as a slice, the squared distances (b, k), and the places (b, k) in
+            ``sorted_points``. Blocks do not depend on the number of threads.
+        progress : callable, optional
+            Called with (blocks done, blocks).
+        """
+        from lpcompare.geometry.kernels import query_block
+
+        k = min(n_neighbors, len(self.points))
+        queries = np.ascontiguousarray(queries, dtype=np.float64)
+
+        def find(block: slice) -> None:
+            squares = np.empty((block.stop - block.start, k))
+            places = np.empty(squares.shape, dtype=np.int32)
+            query_block(queries[block], *self.arrays, squares, places)
+            work(block, squares, places)
+
+        for_blocks(len(queries), find, progress)

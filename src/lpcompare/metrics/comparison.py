@@ -139,12 +139,12 @@ class Comparison:
     def original_normals(self) -> Points:
         """Unit normal of each original's plane through its 10 nearest, shape (n, 3), no sign."""
         _, nearest = self.original_neighbors.query(self.original, _NORMAL_NEIGHBORS)
-        return fit_planes(self.original[nearest])[1]
+        return fit_planes(self.original, nearest)[1]
 
     @cached_property
     def simplified_normals(self) -> Points:
         """Unit normal of each simplified point's plane through its 10 nearest, shape (m, 3), no sign."""
-        return fit_planes(self.simplified[self._within[1]])[1]
+        return fit_planes(self.simplified, self._within[1])[1]
 
     def plane_errors(self, n_neighbors: int) -> Vector:
         """Eq. 27 before the mean: distance of each original to the plane of its nearest simplified points.

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from lpcompare.geometry.surface import moving_planes
+from lpcompare.geometry.moving_planes import moving_planes
 from lpcompare.metrics.comparison import Comparison
 from lpcompare.types import Column, Vector
 

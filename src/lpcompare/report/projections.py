@@ -23,7 +23,6 @@ VIEW = (15.0, 12.0)
 """Direction from which things are seen: degrees to the right of the front, degrees above."""
 
 _N_NEIGHBORS = 12
-_BLOCK = 65536
 _LIGHT = np.array([-0.35, 0.5, 0.8]) / np.linalg.norm([-0.35, 0.5, 0.8])
 _AMBIENT = 0.35
 _RADII = (0.9, 1.8, 2.7, 4.05)
@@ -141,11 +140,7 @@ def local_normals(points: Points) -> Points:
     if len(points) < 3:
         return np.tile([0.0, 0.0, 1.0], (len(points), 1))
     centred = points - bounding_box_center(points)
-    normals, tree = np.empty(points.shape), Neighbors(centred)
-    for start in range(0, len(points), _BLOCK):
-        block = slice(start, start + _BLOCK)
-        normals[block] = fit_planes(centred[tree.query(centred[block], _N_NEIGHBORS)[1]])[1]
-    return normals
+    return fit_planes(centred, Neighbors(centred).query(centred, _N_NEIGHBORS)[1])[1]
 
 
 def brightness(normals: Points, light: Vector) -> Vector:

@@ -8,14 +8,15 @@ from threading import Event
 import numpy as np
 
 from lpcompare.geometry.neighbors import Neighbors
+from lpcompare.geometry.surface import Surface
 from lpcompare.paper.density import inverse_distance_costs
 from lpcompare.threads import Progress, map_in_threads
 from lpcompare.types import Indices, Mask, Points, Vector
 from lpcompare.uniform.cells import blue_noise_centers, sampling_weights, tilt_to_density
 from lpcompare.uniform.densities import DensityBand
 from lpcompare.uniform.program import SpreadCertificate, Stop, select_one_per_cell
-from lpcompare.uniform.quadrics import Surface, tangent_quadrics
-from lpcompare.uniform.swaps import refine
+from lpcompare.uniform.quadrics import cheapest_of_each, tangent_quadrics
+from lpcompare.uniform.swaps import swap_points
 
 _SPREAD = 0.05
 _BAND = 0.8
@@ -49,16 +50,16 @@ def cluster_densities(points: Points, labels: Indices) -> ClusterDensity:
 
 
 def spread_points(
-    points: Points, surface: Surface, curvature: Vector, density: ClusterDensity, n_keep: int
+    tree: Neighbors, surface: Surface, curvature: Vector, density: ClusterDensity, n_keep: int
 ) -> Indices:
     """One original per blue-noise cell, the one that represents it best: ``n_keep`` ascending rows."""
+    points = tree.sorted_points
     weights = tilt_to_density(sampling_weights(surface.areas, curvature), density.costs, density.labels)
-    centers = blue_noise_centers(points, weights, n_keep)
+    centers = blue_noise_centers(tree, weights, n_keep)
     quadrics = tangent_quadrics(points, surface, centers)
     costs = quadrics.costs(points, _SPREAD)
-    ranked = np.lexsort((costs, quadrics.owners))
-    chosen = ranked[np.flatnonzero(np.diff(quadrics.owners[ranked], prepend=-1))]
-    return _filled(points, chosen, n_keep)
+    chosen = cheapest_of_each(costs, quadrics.owners, n_keep)
+    return _filled(points, chosen[chosen >= 0], n_keep)
 
 
 def _filled(points: Points, chosen: Indices, n_keep: int) -> Indices:
@@ -71,11 +72,11 @@ def _filled(points: Points, chosen: Indices, n_keep: int) -> Indices:
 
 
 def refine_in_density(
-    points: Points, indices: Indices, density: ClusterDensity, n_rounds: int, tolerance: float
+    tree: Neighbors, indices: Indices, density: ClusterDensity, n_rounds: int, tolerance: float
 ) -> Indices:
-    """Exchange points against eq. 27 while every cluster keeps its density."""
+    """Swap points against eq. 27 while every cluster keeps its density."""
     band = DensityBand(density.labels, density.costs, _BAND * tolerance)
-    return refine(points, indices, n_rounds=n_rounds, band=band)
+    return swap_points(tree, indices, n_rounds=n_rounds, band=band)
 
 
 def solve_programmes(

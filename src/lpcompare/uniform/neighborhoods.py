@@ -1,15 +1,25 @@
-"""The nearest kept points of every original and its eq. 27 error, up to date while points are exchanged."""
+"""The nearest kept points of every original and its eq. 27 error, up to date while points are swapped.
+
+Each original has a list of up to 16 kept points, nearest first, and the radius inside which the list is
+complete. A swap squeezes the points that leave out of the lists, and inserts those that arrive inside the
+radius. Only a list that becomes too short is looked up again.
+"""
 
 from __future__ import annotations
 
 import numpy as np
+from numba import njit
 
-from lpcompare.geometry.fits import mean_plane_distances
+from lpcompare.geometry.kernels import gather, mean_plane_distance, nearest_of
 from lpcompare.geometry.neighbors import Neighbors
-from lpcompare.types import Indices, Mask, Points
+from lpcompare.threads import for_blocks
+from lpcompare.types import Indices
 
 SIZES = (6, 8, 12)
 """Neighbourhood sizes of eq. 27 that the error averages over: none is won at the cost of another."""
+
+_CAPACITY = 16
+_LEAVES = 128
 
 
 class Neighborhoods:
@@ -17,59 +27,150 @@ class Neighborhoods:
 
     Parameters
     ----------
-    points : ndarray, shape (n, 3)
-        Centred, in any unit.
+    tree : Neighbors
+        Of the originals, whose order all arrays follow: row ``i`` is ``tree.sorted_points[i]``.
     kept : ndarray of int, shape (m,)
-        At least three rows of ``points``.
+        At least three rows.
 
     Attributes
     ----------
     kept : ndarray of int, shape (m,)
         Ascending.
-    distances, nearest : ndarray, shape (n, k)
-        Distance and row of the nearest kept points, nearest first.
+    lists : ndarray of int32, shape (n, 16)
+        Rows of the nearest kept points, nearest first; those after the first ``counts`` (n,) mean nothing.
+    gaps : ndarray, shape (n, 2)
+        Distances to the nearest kept point and to the next.
     errors : ndarray, shape (n,)
         Eq. 27 distance of each original, averaged over ``SIZES``.
     """
 
-    def __init__(self, points: Points, kept: Indices) -> None:
-        n_neighbors = min(max(SIZES), len(kept))
-        self._points = points
-        self._sizes = (*(size for size in SIZES if size < n_neighbors), n_neighbors)
+    def __init__(self, tree: Neighbors, kept: Indices) -> None:
+        n_points, needed = len(tree.sorted_points), min(max(SIZES), len(kept))
+        self._tree = tree
+        self._sizes = np.array([size for size in SIZES if size < needed] + [needed])
+        self._slots = np.zeros(n_points, dtype=np.int32)
         self.kept = np.sort(kept)
-        self.distances = np.empty((len(points), n_neighbors))
-        self.nearest = np.empty((len(points), n_neighbors), dtype=np.intp)
-        self.errors = np.empty(len(points))
-        self._look_up(np.arange(len(points)))
+        self.lists = np.empty((n_points, _CAPACITY), dtype=np.int32)
+        self.counts = np.zeros(n_points, dtype=np.int8)
+        self._radii = np.zeros(n_points)
+        self.gaps, self.errors = np.empty((n_points, 2)), np.empty(n_points)
+        self._update(np.empty(0, dtype=np.intp), np.empty(0, dtype=np.intp))
 
     @property
     def owners(self) -> Indices:
         """For each original, the position in ``kept`` of its nearest kept point, shape (n,)."""
-        return np.searchsorted(self.kept, self.nearest[:, 0])
+        return self._slots[self.lists[:, 0]]
 
     def rings(self, positions: Indices, size: int) -> Indices:
         """Positions of the kept points nearest to those at ``positions``, each itself among them."""
-        sites = self._points[self.kept]
-        return Neighbors(sites).query(sites[positions], size)[1]
+        return self._slots[self.lists[self.kept[positions], : min(size, len(self.kept))]]
 
     def rank(self, limit: float) -> tuple[int, float]:
-        """Originals beyond ``limit``, then the mean error: what an exchange makes smaller."""
-        return int(np.count_nonzero(self.distances[:, 0] > limit)), float(self.errors.mean())
+        """Originals beyond ``limit``, then the mean error: what a swap makes smaller."""
+        return int(np.count_nonzero(self.gaps[:, 0] > limit)), float(self.errors.mean())
 
-    def exchange(self, dropped: Indices, added: Indices) -> None:
-        """Replace kept points and look up again only the originals whose neighbours change."""
-        leaving = np.zeros(len(self._points), dtype=bool)
+    def swap(self, dropped: Indices, added: Indices) -> None:
+        """Replace kept points, and bring up to date the originals whose neighbours change."""
+        self.kept = np.union1d(np.setdiff1d(self.kept, dropped, assume_unique=True), added)
+        self._update(dropped, added)
+
+    def _update(self, dropped: Indices, added: Indices) -> None:
+        points, leaves = self._tree.sorted_points, self._tree.leaves
+        self._slots[self.kept] = np.arange(len(self.kept))
+        leaving = np.zeros(len(points), dtype=np.bool_)
         leaving[dropped] = True
-        changed: Mask = np.any(leaving[self.nearest], axis=1)
-        others = np.flatnonzero(~changed)
-        arrival = Neighbors(self._points[added]).query(self._points[others], 1)[0][:, 0]
-        changed[others[arrival < self.distances[others, -1]]] = True
-        self.kept = np.union1d(self.kept[~leaving[self.kept]], added)
-        self._look_up(np.flatnonzero(changed))
+        arriving, all_kept = Neighbors(points[added]), Neighbors(points[self.kept])
+        state = self.lists, self.counts, self._radii, self.gaps, self.errors
+        arrivals = (*arriving.arrays, added[arriving.order])
+        everyone = (*all_kept.arrays, self.kept[all_kept.order])
 
-    def _look_up(self, rows: Indices) -> None:
-        queries = self._points[rows]
-        n_neighbors = self.distances.shape[1]
-        self.distances[rows], positions = Neighbors(self._points[self.kept]).query(queries, n_neighbors)
-        self.nearest[rows] = self.kept[positions]
-        self.errors[rows] = mean_plane_distances(queries, self._points, self.nearest[rows], self._sizes)
+        def renew(block: slice) -> None:
+            some = leaves[block.start : block.stop + 1]
+            _renew(some, points, state, leaving, arrivals, everyone, self._sizes)
+
+        for_blocks(len(leaves) - 1, renew, size=_LEAVES)
+
+
+@njit(cache=True, nogil=True)
+def _renew(leaves, points, state, leaving, arrivals, everyone, sizes):
+    """Bring the originals between the places ``leaves`` up to date."""
+    lists, counts, radii, gaps, errors = state
+    places, starts, boxes, rows = arrivals
+    found = np.empty(len(places), np.int32)
+    needed = sizes[-1]
+    for leaf in range(len(leaves) - 1):
+        begin, end = leaves[leaf], leaves[leaf + 1]
+        n_found = 0
+        if len(places) and begin < end:
+            low, high, reach = np.full(3, np.inf), np.full(3, -np.inf), 0.0
+            for i in range(begin, end):
+                for a in range(3):
+                    low[a], high[a] = min(low[a], points[i, a]), max(high[a], points[i, a])
+                reach = max(reach, radii[i])
+            n_found = gather(low, high, reach, places, starts, boxes, found)
+        for i in range(begin, end):
+            changed = _squeeze(i, lists, counts, leaving, needed)
+            for place in found[:n_found]:
+                changed |= _insert(i, rows[place], points, lists, counts, radii, needed)
+            if counts[i] < needed:
+                _look_up(i, points, lists, counts, radii, everyone)
+                changed = True
+            if changed:
+                for j in range(2):
+                    gaps[i, j] = np.sqrt(_squared_distance(points, i, lists[i, j]))
+                x, y, z = points[i]
+                errors[i] = mean_plane_distance(x, y, z, points, lists[i], sizes)
+
+
+@njit(cache=True, nogil=True)
+def _squeeze(i, lists, counts, leaving, needed):
+    """Take the points that leave out of a list; whether one of the first ``needed`` did."""
+    count, changed = 0, False
+    for j in range(counts[i]):
+        row = lists[i, j]
+        if leaving[row]:
+            changed |= j < needed
+        else:
+            lists[i, count] = row
+            count += 1
+    counts[i] = count
+    return changed
+
+
+@njit(cache=True, nogil=True)
+def _insert(i, row, points, lists, counts, radii, needed):
+    """Put a point that arrives in its place of a list; whether that is one of the first ``needed``."""
+    distance = _squared_distance(points, i, row)
+    if distance >= radii[i]:
+        return False
+    j, last = counts[i], lists.shape[1] - 1
+    if j > last:
+        j = last
+    else:
+        counts[i] += 1
+    while j > 0 and _squared_distance(points, i, lists[i, j - 1]) > distance:
+        lists[i, j] = lists[i, j - 1]
+        j -= 1
+    lists[i, j] = row
+    if counts[i] > last:
+        radii[i] = _squared_distance(points, i, lists[i, last])
+    return j < needed
+
+
+@njit(cache=True, nogil=True)
+def _look_up(i, points, lists, counts, radii, everyone):
+    """Make a list anew from the tree of all kept points."""
+    places, starts, boxes, rows = everyone
+    count = min(lists.shape[1], len(places))
+    distances, nearest = np.full(count, np.inf), np.empty(count, np.int32)
+    nearest_of(points[i, 0], points[i, 1], points[i, 2], places, starts, boxes, distances, nearest)
+    for j in range(count):
+        lists[i, j] = rows[nearest[j]]
+    counts[i] = count
+    radii[i] = distances[count - 1] if count < len(places) else np.inf
+
+
+@njit(cache=True, nogil=True)
+def _squared_distance(points, i, j):
+    x, y, z = points[j, 0] - points[i, 0], points[j, 1] - points[i, 1], points[j, 2] - points[i, 2]
+    return x * x + y * y + z * z

@@ -11,8 +11,9 @@ from __future__ import annotations
 import numpy as np
 
 from lpcompare.geometry.neighbors import Neighbors
+from lpcompare.geometry.surface import Surface
 from lpcompare.types import Indices, Points
-from lpcompare.uniform.quadrics import Surface, tangent_quadrics
+from lpcompare.uniform.quadrics import tangent_quadrics
 
 _STIFFNESS = 0.1
 _LARGEST_STEP = 0.25

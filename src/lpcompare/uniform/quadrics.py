@@ -10,41 +10,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from lpcompare.geometry.neighbors import Neighbors
-from lpcompare.geometry.planes import fit_planes
+from lpcompare.geometry.surface import Surface
+from lpcompare.threads import for_blocks
 from lpcompare.types import Indices, Points, Vector
 
-_NEIGHBORS = 10
 _SHARED = 2
-_BLOCK = 65536
-
-
-@dataclass(frozen=True, eq=False)
-class Surface:
-    """What each point of a cloud says about its surface.
-
-    Attributes
-    ----------
-    normals : ndarray, shape (n, 3)
-        Of the plane through the nearest points; the sign is arbitrary.
-    areas : ndarray, shape (n,)
-        Squared distance to the eighth neighbour.
-    """
-
-    normals: Points
-    areas: Vector
-
-
-def estimate_surface(points: Points) -> Surface:
-    """Tangent plane and area of every point of ``points`` (n, 3), from its nearest neighbours."""
-    distances, indices = Neighbors(points).query(points, _NEIGHBORS)
-    normals = np.empty_like(points)
-    for start in range(0, len(points), _BLOCK):
-        rows = slice(start, start + _BLOCK)
-        normals[rows] = fit_planes(points[indices[rows]])[1]
-    return Surface(normals, distances[:, min(8, distances.shape[1] - 1)] ** 2)
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,11 +58,10 @@ class Quadrics:
         ndarray, shape (n,)
             Not negative.
         """
-        offsets, cells = points - self.sites[self.owners], self.owners
-        planes = np.einsum("ni,nij,nj->n", offsets, self.matrices[cells], offsets, optimize=True)
-        planes += self.constants[cells] - 2 * np.einsum("ni,ni->n", offsets, self.vectors[cells])
-        distances = np.einsum("ni,ni->n", offsets, offsets)
-        return np.maximum(planes, 0.0) + spread * self.masses[cells] * distances
+        costs = np.empty(len(points))
+        arrays = self.sites, self.matrices, self.vectors, self.constants, spread * self.masses
+        for_blocks(len(points), lambda b: _costs(points[b], self.owners[b], *arrays, costs[b]))
+        return costs
 
     def minima(self, stiffness: float) -> Points:
         """Where each quadric, held to its site by ``stiffness`` times its trace, is least: shape (m, 3)."""
@@ -117,15 +90,48 @@ def tangent_quadrics(points: Points, surface: Surface, sites: Points, n_shared: 
     nearest = Neighbors(sites).query(points, n_shared)[1]
     matrices, vectors = np.zeros((n_sites, 3, 3)), np.zeros((n_sites, 3))
     constants, masses = np.zeros(n_sites), np.zeros(n_sites)
-    normals, areas = surface.normals, surface.areas
-    for owners in nearest.T:
-        heights = np.einsum("ni,ni->n", points - sites[owners], normals)
-        constants += np.bincount(owners, areas * heights**2, n_sites)
-        masses += np.bincount(owners, areas, n_sites)
-        for i in range(3):
-            vectors[:, i] += np.bincount(owners, areas * heights * normals[:, i], n_sites)
-            for j in range(i + 1):
-                matrices[:, i, j] += np.bincount(owners, areas * normals[:, i] * normals[:, j], n_sites)
-    for i, j in ((0, 1), (0, 2), (1, 2)):
-        matrices[:, i, j] = matrices[:, j, i]
+    _gather(points, surface.normals, surface.areas, sites, nearest, matrices, vectors, constants, masses)
     return Quadrics(sites, nearest[:, 0].copy(), matrices, vectors, constants, masses)
+
+
+@njit(cache=True, nogil=True)
+def _gather(points, normals, areas, sites, nearest, matrices, vectors, constants, masses):
+    """Add the squared distance to the plane of every original to the quadrics of its nearest sites."""
+    for i in range(len(points)):
+        area = areas[i]
+        for site in nearest[i]:
+            height = 0.0
+            for a in range(3):
+                height += (points[i, a] - sites[site, a]) * normals[i, a]
+            constants[site] += area * height * height
+            masses[site] += area
+            for a in range(3):
+                vectors[site, a] += area * height * normals[i, a]
+                for b in range(3):
+                    matrices[site, a, b] += area * normals[i, a] * normals[i, b]
+
+
+@njit(cache=True, nogil=True)
+def _costs(points, owners, sites, matrices, vectors, constants, spreads, costs):
+    """`Quadrics.costs` of one block."""
+    for i in range(len(points)):
+        site = owners[i]
+        total, distance = constants[site], 0.0
+        for a in range(3):
+            offset = points[i, a] - sites[site, a]
+            distance += offset * offset
+            total -= 2 * offset * vectors[site, a]
+            for b in range(3):
+                total += offset * matrices[site, a, b] * (points[i, b] - sites[site, b])
+        costs[i] = max(total, 0.0) + spreads[site] * distance
+
+
+@njit(cache=True, nogil=True)
+def cheapest_of_each(costs, cells, n_cells):
+    """The row of least cost in each cell, the first among equals; -1 for a cell without rows."""
+    chosen = np.full(n_cells, -1)
+    for row in range(len(costs)):
+        best = chosen[cells[row]]
+        if best < 0 or costs[row] < costs[best]:
+            chosen[cells[row]] = row
+    return chosen

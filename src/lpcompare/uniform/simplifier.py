@@ -7,12 +7,14 @@ from typing import Any
 import numpy as np
 
 from lpcompare.checks import check_integer, check_number, check_points, check_target
+from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.geometry.scale import normalize
+from lpcompare.geometry.surface import estimate_surface
 from lpcompare.paper.cluster_count import AUTO, ClusterCountSetting, check_n_clusters, choose_n_clusters
 from lpcompare.paper.clustering import cluster_points
-from lpcompare.paper.curvature import estimate_curvature
+from lpcompare.paper.curvature import Curvature
 from lpcompare.progress import Callback, StageClock
-from lpcompare.types import Points, Simplification
+from lpcompare.types import Indices, Points, Simplification
 from lpcompare.uniform.clusters import (
     cluster_densities,
     refine_in_density,
@@ -21,7 +23,6 @@ from lpcompare.uniform.clusters import (
 )
 from lpcompare.uniform.placement import place_points
 from lpcompare.uniform.program import Stop
-from lpcompare.uniform.quadrics import estimate_surface
 
 
 def simplify_uniformly(
@@ -108,14 +109,17 @@ class UniformReducer:
         self._stop = Stop(check_number("gap", gap, 0.0), check_number("time_limit", time_limit, 0.0))
         self._points, self._placed, self._callback = points, placed, callback
         self._cloud, self._center, self._scale = normalize(points)
+        self._tree = Neighbors(self._cloud)
+        self._cloud = self._tree.sorted_points
         rng, clock = np.random.default_rng(random_state), StageClock(callback)
         progress = clock.stage("clustering")
-        self._count = choose_n_clusters(self._cloud, rng) if wanted == AUTO else None
+        self._count = choose_n_clusters(self._tree.points, rng) if wanted == AUTO else None
         n_clusters = self._count.n_clusters if self._count else int(wanted)
-        labels = cluster_points(self._cloud, n_clusters, rng, progress=progress).labels
-        self._curvature = estimate_curvature(self._cloud, n_neighbors, clock.stage("curvature")).absolute
-        clock.stage("surface")
-        self._surface = estimate_surface(self._cloud)
+        labels = cluster_points(self._tree.points, n_clusters, rng, progress=progress).labels[
+            self._tree.order
+        ]
+        self._surface = estimate_surface(self._tree, n_neighbors, clock.stage("curvature"))
+        self._curvature = Curvature(*self._surface.curvatures.T).absolute
         self._density = cluster_densities(self._cloud, labels)
         self._timings = clock.stop()
 
@@ -135,9 +139,9 @@ class UniformReducer:
         """
         clock = StageClock(self._callback)
         clock.stage("cells")
-        sites = spread_points(self._cloud, self._surface, self._curvature, self._density, n_keep)
+        sites = spread_points(self._tree, self._surface, self._curvature, self._density, n_keep)
         clock.stage("refinement")
-        sites = refine_in_density(self._cloud, sites, self._density, self._n_rounds, self._tolerance)
+        sites = refine_in_density(self._tree, sites, self._density, self._n_rounds, self._tolerance)
         indices, certificates = solve_programmes(
             self._cloud,
             self._surface,
@@ -148,7 +152,7 @@ class UniformReducer:
             progress=clock.stage("selection"),
         )
         info: dict[str, Any] = {
-            "labels": self._density.labels,
+            "labels": self._in_input_order(self._density.labels),
             "certificates": tuple(c.in_units(1 / self._scale) for c in certificates),
             "n_clusters": len(certificates),
             "n_certified": sum(bool(c.proven) for c in certificates),
@@ -157,7 +161,15 @@ class UniformReducer:
         if self._count:
             info["cluster_count"] = self._count
         if not self._placed:
-            return Simplification(self._points[indices], indices, self._timings | clock.stop(), info)
+            rows = np.sort(self._tree.order[indices].astype(np.intp))
+            return Simplification(self._points[rows], rows, self._timings | clock.stop(), info)
         clock.stage("placement")
+        indices = indices[np.argsort(self._tree.order[indices])]
         moved = place_points(self._cloud, self._surface, indices) * self._scale + self._center
-        return Simplification(moved, None, self._timings | clock.stop(), info | {"source": indices})
+        info["source"] = self._tree.order[indices].astype(np.intp)
+        return Simplification(moved, None, self._timings | clock.stop(), info)
+
+    def _in_input_order(self, values: Indices) -> Indices:
+        result = np.empty_like(values)
+        result[self._tree.order] = values
+        return result

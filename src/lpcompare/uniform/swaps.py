@@ -10,11 +10,13 @@ and few is right: further rounds go on to win eq. 27 by losing the surface.
 from __future__ import annotations
 
 import numpy as np
+from numba import njit
 
 from lpcompare.errors import InputError
+from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.geometry.scale import bounding_box_center, bounding_box_diagonal
 from lpcompare.types import Indices, Mask, Points, Vector
-from lpcompare.uniform.densities import DensityBand
+from lpcompare.uniform.densities import DensityBand, bears
 from lpcompare.uniform.neighborhoods import Neighborhoods
 
 _LAST_SHARE = 0.2
@@ -62,17 +64,44 @@ def refine(
     """
     kept = _checked(points, indices, n_rounds, exchange_share, hole_limit)
     diagonal = bounding_box_diagonal(points)
-    if len(kept) < 4 or len(kept) == len(points) or diagonal == 0:
+    if diagonal == 0:
         return kept
-    state = Neighborhoods((points - bounding_box_center(points)) / diagonal, kept)
+    tree = Neighbors((points - bounding_box_center(points)) / diagonal)
+    rows = np.empty(len(points), dtype=np.intp)
+    rows[tree.order] = np.arange(len(points))
+    refined = swap_points(
+        tree,
+        rows[kept],
+        n_rounds=n_rounds,
+        exchange_share=exchange_share,
+        hole_limit=hole_limit,
+        band=band and band.sorted(tree.order),
+    )
+    return np.sort(tree.order[refined]).astype(np.intp)
+
+
+def swap_points(
+    tree: Neighbors,
+    kept: Indices,
+    *,
+    n_rounds: int = 12,
+    exchange_share: float = 0.06,
+    hole_limit: float = 1.7,
+    band: DensityBand | None = None,
+) -> Indices:
+    """`refine` for rows of ``tree.sorted_points``; so are the rows that it returns, and those of the band."""
+    kept = np.sort(kept)
+    if len(kept) < 4 or len(kept) == len(tree.points):
+        return kept
+    state = Neighborhoods(tree, kept)
     limit = hole_limit * _typical_radius(state)
+    band = band or DensityBand(np.zeros(len(tree.points), dtype=np.intp), np.ones(len(tree.points)))
     best, best_rank = kept, state.rank(limit)
-    for n_exchanges in _schedule(len(kept), n_rounds, exchange_share):
-        exchange = _Round(state, limit, band)
-        dropped, added = exchange.choose(n_exchanges)
+    for n_swaps in _schedule(len(kept), n_rounds, exchange_share):
+        dropped, added = _choose(state, limit, band, n_swaps)
         if not len(added):
             break
-        state.exchange(dropped, added)
+        state.swap(dropped, added)
         best, best_rank = min((best, best_rank), (state.kept, state.rank(limit)), key=lambda pair: pair[1])
     return best
 
@@ -101,81 +130,90 @@ def _schedule(n_kept: int, n_rounds: int, share: float) -> list[int]:
 def _typical_radius(state: Neighborhoods) -> float:
     """Root mean square radius of the cells that hold more than their kept point."""
     radii = np.zeros(len(state.kept))
-    np.maximum.at(radii, state.owners, state.distances[:, 0])
+    np.maximum.at(radii, state.owners, state.gaps[:, 0])
     radii = radii[radii > 0]
     return float(np.sqrt(np.mean(radii**2))) if len(radii) else 0.0
 
 
-class _Round:
-    """One round of exchanges: what is dropped, and what is taken instead."""
+def _choose(state: Neighborhoods, limit: float, band: DensityBand, n_swaps: int) -> tuple[Indices, Indices]:
+    """The rows to drop and the rows to take, equally many, at most ``n_swaps``."""
+    owners = state.owners
+    mass = np.bincount(owners, weights=state.errors, minlength=len(state.kept))
+    band.start(state.kept)
+    dropped, blocked = _drops(state, limit, band, n_swaps, owners, mass)
+    added = _additions(state, limit, band, len(dropped), owners, mass, blocked)
+    return state.kept[dropped[: len(added)]], added
 
-    def __init__(self, state: Neighborhoods, limit: float, band: DensityBand | None) -> None:
-        self._state, self._limit, self._band = state, limit, band
-        self._owners = state.owners
-        self._mass = np.bincount(self._owners, weights=state.errors, minlength=len(state.kept))
-        if band:
-            band.start(state.kept)
 
-    def choose(self, n_exchanges: int) -> tuple[Indices, Indices]:
-        """The rows to drop and the rows to take, equally many, at most ``n_exchanges``."""
-        dropped, blocked = self._drops(n_exchanges)
-        added = self._additions(len(dropped), blocked)
-        return self._state.kept[dropped[: len(added)]], np.array(added, dtype=np.intp)
+def _drops(
+    state: Neighborhoods, limit: float, band: DensityBand, n_wanted: int, owners: Indices, mass: Vector
+) -> tuple[Indices, Mask]:
+    """Positions of kept points with little error that can go, and a mask of these and their neighbours."""
+    reach = np.zeros(len(mass))
+    np.maximum.at(reach, owners, state.gaps[:, 1])
+    spare = np.flatnonzero(reach <= limit)
+    ranking = np.lexsort((mass[spare], ~band.wants(state.kept[spare], -1)))
+    order = spare[ranking[: _LOOK_AHEAD * n_wanted]]
+    blocked = np.zeros(len(mass), dtype=np.bool_)
+    rings = state.rings(order, _RING)
+    return _take_out(order, state.kept, rings, blocked, band.arrays, n_wanted), blocked
 
-    def _drops(self, n_wanted: int) -> tuple[list[int], set[int]]:
-        """Positions of kept points with little error that can go, and of these and their neighbours."""
-        reach = np.zeros(len(self._mass))
-        np.maximum.at(reach, self._owners, self._state.distances[:, 1])
-        spare = np.flatnonzero(reach <= self._limit)
-        ranking = np.lexsort((self._mass[spare], ~self._wants(self._state.kept[spare], -1)))
-        order = spare[ranking[: _LOOK_AHEAD * n_wanted]]
-        rows, rings = self._state.kept[order].tolist(), self._state.rings(order, _RING).tolist()
-        dropped: list[int] = []
-        blocked: set[int] = set()
-        for position, row, ring in zip(order.tolist(), rows, rings, strict=True):
-            if len(dropped) == n_wanted:
-                break
-            if position in blocked or not self._bears(row, -1):
-                continue
-            dropped.append(position)
-            blocked.update(ring)
-        return dropped, blocked
 
-    def _additions(self, n_wanted: int, blocked: set[int]) -> list[int]:
-        """Rows to take: holes first, then the worst original of each of the cells with the most error."""
-        gaps = self._state.distances[:, 0]
-        hole = gaps > self._limit
-        worst = self._worst_of_each_cell(np.where(hole, self._state.errors.max() + gaps, self._state.errors))
-        depth = np.where(hole[worst], gaps[worst], 0.0)
-        order = np.lexsort((-self._mass[self._owners[worst]], ~self._wants(worst, 1), -depth))
-        added: list[int] = []
-        for row in worst[order[: _LOOK_AHEAD * n_wanted]].tolist():
-            if len(added) == n_wanted:
-                break
-            if hole[row]:
-                self._count(row, 1)
-            elif int(self._owners[row]) in blocked or not self._bears(row, 1):
-                continue
-            added.append(row)
-        return added
+@njit(cache=True, nogil=True)
+def _take_out(order, kept, rings, blocked, band, n_wanted):
+    """The first positions of ``order`` that are no neighbours of one another and that the density spares."""
+    dropped = np.empty(n_wanted, np.int64)
+    count = 0
+    for i in range(len(order)):
+        position = order[i]
+        if count == n_wanted:
+            break
+        if blocked[position] or not bears(band, kept[position], -1, False):
+            continue
+        dropped[count] = position
+        count += 1
+        for neighbor in rings[i]:
+            blocked[neighbor] = True
+    return dropped[:count]
 
-    def _worst_of_each_cell(self, urgency: Vector) -> Indices:
-        """The most urgent original of every cell that is not at the place of its kept point."""
-        rows = np.flatnonzero(self._state.distances[:, 0] > 0)
-        rows = rows[np.lexsort((-urgency[rows], self._owners[rows]))]
-        return rows[np.flatnonzero(np.diff(self._owners[rows], prepend=-1))]
 
-    def _wants(self, rows: Indices, change: int) -> Mask:
-        """Rows whose exchange repairs a density; they come before the others."""
-        return self._band.wants(rows, change) if self._band else np.zeros(len(rows), dtype=bool)
+def _additions(
+    state: Neighborhoods,
+    limit: float,
+    band: DensityBand,
+    n_wanted: int,
+    owners: Indices,
+    mass: Vector,
+    blocked: Mask,
+) -> Indices:
+    """Rows to take: holes first, then the worst original of each of the cells with the most error."""
+    worst = _worst_of_each_cell(owners, state.gaps, state.errors, limit, state.errors.max(), len(mass))
+    depth = np.where(state.gaps[worst, 0] > limit, state.gaps[worst, 0], 0.0)
+    order = worst[np.lexsort((-mass[owners[worst]], ~band.wants(worst, 1), -depth))[: _LOOK_AHEAD * n_wanted]]
+    return _take_in(order, owners[order], state.gaps[order, 0] > limit, blocked, band.arrays, n_wanted)
 
-    def _bears(self, row: int, change: int) -> bool:
-        """Whether the density bears a point more or less; if so, it is counted."""
-        if self._band and not self._band.allows(row, change):
-            return False
-        self._count(row, change)
-        return True
 
-    def _count(self, row: int, change: int) -> None:
-        if self._band:
-            self._band.take(row, change)
+@njit(cache=True, nogil=True)
+def _worst_of_each_cell(owners, gaps, errors, limit, above, n_cells):
+    """The most urgent original of every cell that is not at the place of its kept point."""
+    worst, most = np.full(n_cells, -1), np.full(n_cells, -1.0)
+    for i in range(len(owners)):
+        if gaps[i, 0] > 0:
+            urgency = above + gaps[i, 0] if gaps[i, 0] > limit else errors[i]
+            if urgency > most[owners[i]]:
+                worst[owners[i]], most[owners[i]] = i, urgency
+    return worst[worst >= 0]
+
+
+@njit(cache=True, nogil=True)
+def _take_in(order, cells, holes, blocked, band, n_wanted):
+    """The first rows of ``order`` that close a hole, or that neither cell nor density forbids."""
+    added = np.empty(n_wanted, np.int64)
+    count = 0
+    for i in range(len(order)):
+        if count == n_wanted:
+            break
+        if (holes[i] or not blocked[cells[i]]) and bears(band, order[i], 1, holes[i]):
+            added[count] = order[i]
+            count += 1
+    return added[:count]

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.spatial import KDTree
 
 from lpcompare.paper.curvature import Curvature, estimate_curvature
 from lpcompare.paper.features import feature_mask
@@ -45,6 +46,28 @@ def test_absolute_curvature_is_within_five_percent_of_the_formula(surface):
     exact = Curvature(mean, gaussian).absolute
     found = estimate_curvature(points).absolute
     assert np.median(np.abs(found - exact) / exact) < 0.05
+
+
+def curvature_by_lapack(points, point, hood):
+    """H and K at a point of the least-squares quadric through its neighbours (k, 3)."""
+    offsets = hood - point
+    normal = np.linalg.eigh(np.cov(hood.T))[1][:, 0]
+    frame = np.linalg.qr(np.column_stack([normal, np.eye(3)]))[0][:, :3]
+    w, u, v = (offsets @ frame).T
+    basis = np.column_stack([np.ones_like(u), u, v, u * u / 2, u * v, v * v / 2])
+    _, p, q, r, s, t = np.linalg.lstsq(basis, w, rcond=None)[0]
+    steep = 1 + p * p + q * q
+    mean = ((1 + q * q) * r - 2 * p * q * s + (1 + p * p) * t) / (2 * steep**1.5)
+    return mean, (r * t - s * s) / steep**2
+
+
+def test_the_kernel_agrees_with_lapack():
+    points = torus(np.random.default_rng(3))[0]
+    found, nearest = estimate_curvature(points), KDTree(points).query(points, 20)[1]
+    for row in range(0, len(points), 100):
+        mean, gaussian = curvature_by_lapack(points, points[row], points[nearest[row]])
+        assert abs(found.mean[row]) == pytest.approx(abs(mean), rel=1e-5, abs=1e-6)
+        assert found.gaussian[row] == pytest.approx(gaussian, rel=1e-5, abs=1e-6)
 
 
 @pytest.mark.parametrize("surface", [sphere, cylinder, torus, saddle])

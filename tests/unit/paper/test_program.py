@@ -4,6 +4,7 @@ from itertools import combinations
 from threading import Event
 
 import cvxpy as cp
+import highspy
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -148,6 +149,7 @@ def test_clusters_solved_together_are_solved_as_each_alone():
 def test_a_solve_after_one_of_the_users_own_with_other_threads():
     costs, _ = costs_of(30, 0)
     problem, x, y = build_programme([Programme(costs, 9, DensityGoal(1.0))])
+    highspy.Highs.resetGlobalScheduler(True)
     problem.solve(solver=cp.HIGHS, threads=2)
     canonical, start = Canonical(problem), np.concatenate([x.value, y.value])
     columns = np.concatenate([canonical.columns(x), canonical.columns(y)])

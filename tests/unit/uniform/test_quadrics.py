@@ -2,8 +2,11 @@
 
 import numpy as np
 import pytest
+from scipy.spatial import KDTree
 
-from lpcompare.uniform.quadrics import Surface, estimate_surface, tangent_quadrics
+from lpcompare.geometry.neighbors import Neighbors
+from lpcompare.geometry.surface import Surface, estimate_surface
+from lpcompare.uniform.quadrics import cheapest_of_each, tangent_quadrics
 
 
 def two_planes():
@@ -12,7 +15,7 @@ def two_planes():
     flat = np.column_stack([-t, y, np.zeros(400)])
     upright = np.column_stack([np.zeros(400), y, t])
     normals = np.repeat([[0.0, 0, 1], [1.0, 0, 0]], 400, axis=0)
-    return np.concatenate([flat, upright]), Surface(normals, np.ones(800))
+    return np.concatenate([flat, upright]), Surface(normals, np.ones(800), np.zeros((800, 2)))
 
 
 def test_the_minimum_lies_on_the_edge():
@@ -39,12 +42,20 @@ def test_spread_adds_the_squared_distance_to_the_site():
 
 def test_normals_of_a_plane():
     plane = np.random.default_rng(0).random((300, 3)) * [1, 1, 0]
-    surface = estimate_surface(plane)
+    tree = Neighbors(plane)
+    surface = estimate_surface(tree)
     assert np.abs(surface.normals[:, 2]) == pytest.approx(np.ones(300))
-    assert (surface.areas > 0).all()
+    distances = KDTree(tree.sorted_points).query(tree.sorted_points, 9)[0]
+    assert surface.areas == pytest.approx(distances[:, 8] ** 2)
+    assert surface.curvatures == pytest.approx(np.zeros((300, 2)), abs=1e-6)
 
 
 def test_coinciding_points_do_not_move():
     same = np.ones((20, 3))
-    quadrics = tangent_quadrics(same, estimate_surface(same), same[:2])
+    quadrics = tangent_quadrics(same, estimate_surface(Neighbors(same)), same[:2])
     assert quadrics.minima(0.1) == pytest.approx(same[:2])
+
+
+def test_the_cheapest_of_each_cell_is_the_first_among_equals():
+    costs, cells = np.array([3.0, 1.0, 1.0, 2.0]), np.array([0, 2, 2, 0])
+    assert cheapest_of_each(costs, cells, 4).tolist() == [3, -1, 1, -1]

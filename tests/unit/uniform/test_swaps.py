@@ -4,8 +4,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.spatial import KDTree
 
 from lpcompare.errors import InputError
+from lpcompare.geometry.neighbors import Neighbors
+from lpcompare.geometry.planes import plane_distances
 from lpcompare.metrics.comparison import Comparison
 from lpcompare.uniform.densities import DensityBand
 from lpcompare.uniform.neighborhoods import SIZES, Neighborhoods
@@ -108,16 +111,30 @@ def test_density_band_is_kept_by_exchanges():
     assert worst(held) <= worst(free) or worst(free) < 0.011
 
 
-def test_incremental_neighbours_are_those_of_a_fresh_start():
-    points = bumps(800)
-    rows = random_rows(800, 150)
-    state = Neighborhoods(points, rows)
-    free = np.setdiff1d(np.arange(800), rows)
-    state.exchange(rows[::15], free[:10])
-    fresh = Neighborhoods(points, state.kept)
-    assert state.distances == pytest.approx(fresh.distances)
-    assert state.errors == pytest.approx(fresh.errors)
-    assert len(state.kept) == 150
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    n_points=st.integers(20, 500),
+    share=st.floats(0.1, 0.6),
+    swapped=st.floats(0.0, 0.5),
+)
+@settings(max_examples=40, deadline=None)
+def test_lists_kept_up_to_date_are_those_of_fresh_queries(seed, n_points, share, swapped):
+    rng = np.random.default_rng(seed)
+    tree = Neighbors(rng.normal(size=(n_points, 3)) * [1.0, 1.0, 0.1])
+    points = tree.sorted_points
+    state = Neighborhoods(tree, random_rows(n_points, max(4, int(share * n_points)), seed))
+    for _ in range(4):
+        free = np.setdiff1d(np.arange(n_points), state.kept)
+        n_swaps = min(int(swapped * len(state.kept)), len(free))
+        state.swap(rng.choice(state.kept, n_swaps, replace=False), rng.choice(free, n_swaps, replace=False))
+        n_neighbors = min(12, len(state.kept))
+        distances, nearest = KDTree(points[state.kept]).query(points, n_neighbors)
+        assert np.array_equal(state.kept[nearest], state.lists[:, :n_neighbors])
+        assert np.array_equal(state.owners, nearest[:, 0])
+        assert state.gaps == pytest.approx(distances[:, :2])
+        sizes = tuple(sorted({min(size, n_neighbors) for size in SIZES}))
+        expected = plane_distances(points, points, state.lists[:, :n_neighbors], sizes)
+        assert state.errors == pytest.approx(expected)
 
 
 @pytest.mark.parametrize(

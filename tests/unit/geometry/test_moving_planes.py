@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lpcompare.geometry.surface import moving_planes, surface_variation
+from lpcompare.geometry.moving_planes import moving_planes, surface_variation
 
 
 @given(st.integers(0, 1000), st.integers(1, 12))
