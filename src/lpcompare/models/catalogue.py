@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 import tomllib
 from collections.abc import Mapping
@@ -14,6 +15,13 @@ from pathlib import Path
 from lpcompare.errors import ModelDataError, UnknownName
 from lpcompare.io import read
 from lpcompare.types import PointCloud
+
+_SECONDS = 30.0
+_RETRIES = 1
+_WRONG = (
+    "{} is not the file that the catalogue describes: its checksum differs. It was not kept. Try again, or set "
+    "LPCOMPARE_MODELS to a folder that holds the right file."
+)
 
 
 @dataclass(frozen=True)
@@ -42,11 +50,6 @@ class Model:
     made_by: str = ""
     sha256: str = ""
     git_blob: str = ""
-
-    @property
-    def checksum(self) -> str:
-        """The checksum with its kind."""
-        return f"sha256:{self.sha256}" if self.sha256 else f"git:{self.git_blob}"
 
 
 @cache
@@ -121,20 +124,65 @@ def _known(name: str) -> Model:
 
 
 def _file_of(model: Model, cache_folder: Path | None) -> Path:
-    from lpcompare.models import download
-
     if model.embedded:
         path = _wheel() / model.embedded
     elif folder := os.environ.get("LPCOMPARE_MODELS", ""):
         path = Path(folder) / model.url.rpartition("/")[2]
     else:
-        import pooch
-
-        return download.fetch(model.url, model.checksum, cache_folder or Path(pooch.os_cache("lpcompare")))
+        return _fetched(model, cache_folder)
     if not path.is_file():
         raise ModelDataError(f"{path} does not exist; it should hold the model's points.")
-    download.check_file(path, model.checksum, str(path))
+    if not _is_right(path, model):
+        raise ModelDataError(_WRONG.format(path))
     return path
+
+
+def _fetched(model: Model, cache_folder: Path | None) -> Path:
+    """The file from the cache, or downloaded into it.
+
+    Raises
+    ------
+    ModelDataError
+        No connection, an interrupted or a wrong download; nothing of it is kept.
+    """
+    import pooch
+    import requests
+
+    def download(url: str, file: str, store: pooch.Pooch) -> None:
+        pooch.HTTPDownloader(timeout=_SECONDS)(url, file, store)
+        if not _is_right(Path(file), model):
+            raise ValueError
+
+    pooch.get_logger().setLevel("WARNING")
+    name, folder = model.url.rpartition("/")[2], cache_folder or Path(pooch.os_cache("lpcompare"))
+    known = {name: f"sha256:{model.sha256}" if model.sha256 else None}
+    store = pooch.create(folder, "", registry=known, urls={name: model.url}, retry_if_failed=_RETRIES)
+    try:
+        if (folder / name).is_file() and not _is_right(folder / name, model):
+            (folder / name).unlink()
+        return Path(store.fetch(name, downloader=download))
+    except requests.exceptions.HTTPError as error:
+        raise ModelDataError(f"{model.url} could not be downloaded: the server answered {error}.") from error
+    except requests.exceptions.RequestException as error:
+        raise ModelDataError(
+            f"{model.url} could not be downloaded ({type(error).__name__}); check the network, "
+            "or set LPCOMPARE_MODELS to a folder that holds the file."
+        ) from error
+    except ValueError as error:
+        raise ModelDataError(_WRONG.format(model.url)) from error
+    except OSError as error:
+        raise ModelDataError(
+            f"The cache folder {folder} cannot be written ({error.strerror or error}); make room or allow it."
+        ) from error
+
+
+def _is_right(path: Path, model: Model) -> bool:
+    """Whether a file has the checksum of an entry."""
+    content = path.read_bytes()
+    if model.sha256:
+        return hashlib.sha256(content).hexdigest() == model.sha256
+    head = f"blob {len(content)}\0".encode()
+    return hashlib.sha1(head + content, usedforsecurity=False).hexdigest() == model.git_blob
 
 
 def _wheel() -> Path:
