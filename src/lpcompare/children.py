@@ -171,7 +171,7 @@ def thread_environment(threads: int) -> dict[str, str]:
 
 def answer_stream() -> BinaryIO:
     """For a child: the stream whose end its parent reads. What else prints from now on goes nowhere."""
-    stream = os.fdopen(os.dup(1), "wb", buffering=0)
+    stream = os.fdopen(os.dup(1), "wb")
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, 1)
     os.close(nowhere)

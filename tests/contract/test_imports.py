@@ -26,13 +26,14 @@ ALLOWED = {
     "listing": CORE | {"registry", "models"},
     "testing": CORE | {"registry"},
     "simplify": CORE | {"checks", "max_error", "registry", "isolation"},
-    "isolation": CORE | {"registry", "threads", "io", "benchmark"},
+    "isolation": CORE | {"registry", "threads", "children", "io", "benchmark"},
     "baselines": CORE | {"mesh_library", "geometry"},
     "metrics": CORE | {"checks", "mesh_library", "geometry", "registry"},
     "models": CORE | {"mesh_library", "geometry", "io"},
     "registry": CORE,
     "benchmark": CORE
     | {
+        "checks",
         "geometry",
         "threads",
         "files",

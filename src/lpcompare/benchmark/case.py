@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import signal
 import uuid
+from dataclasses import replace
 from pathlib import Path
 
 import msgspec
@@ -138,7 +139,7 @@ def _last_answer(ending: Ending, request: Request) -> Answer:
 
 
 def _with_message(answer: Answer, status: str, message: str) -> Answer:
-    record = msgspec.structs.replace(answer.record, status=status, message=message)
+    record = replace(answer.record, status=status, message=message)
     return msgspec.structs.replace(answer, record=record)
 
 

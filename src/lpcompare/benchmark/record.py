@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, fields
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
@@ -32,7 +32,8 @@ _NESTED = ("timings", "metrics")
 _MESSAGE_CHARACTERS = 1000
 
 
-class Record(msgspec.Struct, frozen=True):
+@dataclass(frozen=True)
+class Record:
     """One case, run once. `msgspec` checks every field of a file that is read.
 
     Attributes
@@ -111,10 +112,10 @@ class Record(msgspec.Struct, frozen=True):
     peak_memory_mib: float | None = None
     subset: bool | None = None
     needs_mesh: bool | None = None
-    settings: Facts = {}
-    timings: Numbers = {}
-    metrics: Numbers = {}
-    info: Facts = {}
+    settings: Facts = field(default_factory=dict)
+    timings: Numbers = field(default_factory=dict)
+    metrics: Numbers = field(default_factory=dict)
+    info: Facts = field(default_factory=dict)
     points_sha256: str = ""
     key: str = ""
     cloud: CloudFile = ""
@@ -122,11 +123,11 @@ class Record(msgspec.Struct, frozen=True):
 
     def __post_init__(self) -> None:
         for name in _TEXTS:
-            msgspec.structs.force_setattr(self, name, printable(getattr(self, name)))
-        msgspec.structs.force_setattr(self, "variant", self.variant or self.method)
+            object.__setattr__(self, name, printable(getattr(self, name)))
+        object.__setattr__(self, "variant", self.variant or self.method)
         for name in _NESTED:
             numbers = {k: math.nan if v is None else v for k, v in getattr(self, name).items()}
-            msgspec.structs.force_setattr(self, name, numbers)
+            object.__setattr__(self, name, numbers)
 
     @property
     def case_id(self) -> tuple[object, ...]:
@@ -208,6 +209,8 @@ class Run:
         return medians.to_html(float_format="{:.4g}".format)
 
 
+_FIELDS = tuple(f.name for f in fields(Record))
+
 _COLUMN_TYPES = {
     "model": "str",
     "perturbation": "str",
@@ -256,7 +259,7 @@ def frame_of(records: Iterable[Record]) -> DataFrame:
 
 def _row(record: Record) -> dict[str, Any]:
     done = "" if record.perturbation == "none" else f" + {record.perturbation} {record.perturbation_level:g}"
-    own = {name: getattr(record, name) for name in record.__struct_fields__ if name not in _NESTED}
+    own = {name: getattr(record, name) for name in _FIELDS if name not in _NESTED}
     own |= {"input": record.model + done, "label": record.variant + " + swaps" * record.refined}
     return {**record.metrics, **{f"time_{stage}_s": s for stage, s in record.timings.items()}, **own}
 

@@ -19,7 +19,7 @@ import shutil
 import tempfile
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -147,7 +147,7 @@ class RunFolder:
         with writing(self.clouds, CONTINUE):
             self.clouds.mkdir(exist_ok=True)
             os.replace(result, self.clouds / f"{name}.npz")
-        return msgspec.structs.replace(record, cloud=f"clouds/{name}.npz")
+        return replace(record, cloud=f"clouds/{name}.npz")
 
     def has_result(self, record: Record) -> bool:
         """Whether the file that a record names is there, and undamaged."""

@@ -12,8 +12,6 @@ from pathlib import Path
 from threading import Lock
 from typing import Any, Protocol
 
-import msgspec
-
 from lpcompare.benchmark.case import Answer, Request, run_case
 from lpcompare.benchmark.environment import capture, package_versions
 from lpcompare.benchmark.perturbation import CLEAN, Perturbation, keep_points, perturb
@@ -351,7 +349,7 @@ class _Runner:
             perturbation_level=case.perturbation.level,
             settings=case.variant.settings,
         )
-        return msgspec.structs.replace(record, key=self._key(case, record))
+        return replace(record, key=self._key(case, record))
 
     def _key(self, case: Case, record: Record) -> str:
         facts = {
@@ -373,10 +371,10 @@ class _Runner:
     def _compute(self, case: Case, blank: Record) -> Record:
         missing = METHODS.missing(blank.method)
         if missing:
-            return msgspec.structs.replace(blank, status="skipped", message=missing)
+            return replace(blank, status="skipped", message=missing)
         if blank.target_count > blank.n_input:
             sentence = f"{blank.target_count} points asked of an input of {blank.n_input}."
-            return msgspec.structs.replace(blank, status="skipped", message=sentence)
+            return replace(blank, status="skipped", message=sentence)
         with self._exchange() as folder:
             result = folder / "result.npz" if case.repeat == 0 else None
             answer = self._answer(case, self._request(case, blank, result), folder)

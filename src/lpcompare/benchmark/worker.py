@@ -61,7 +61,7 @@ class Reply:
 
     def note(self, **fields: Any) -> None:
         """Add fields of the record."""
-        record = msgspec.structs.replace(self.record, **fields)
+        record = replace(self.record, **fields)
         self.answer = msgspec.structs.replace(self.answer, record=record)
 
     def send(self, stage: str = "", *, finished: bool = False, trouble: str = "") -> None:
@@ -69,7 +69,8 @@ class Reply:
         self.answer = msgspec.structs.replace(
             self.answer, stage=stage or self.answer.stage, finished=finished, trouble=trouble
         )
-        self._stream.write(msgspec.json.encode(self.answer) + b"\n")
+        self._stream.write(b"\n" + msgspec.json.encode(self.answer) + b"\n")
+        self._stream.flush()
 
     def end(self, status: str, message: str, trouble: str = "") -> None:
         """Tell how it ended."""
