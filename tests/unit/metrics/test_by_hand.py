@@ -96,36 +96,74 @@ def test_an_equal_cloud_keeps_every_density_and_an_emptied_cluster_loses_its_own
     assert rim["density_objective_pct"] < 15
 
 
-def test_the_surface_of_a_thinned_plane_is_the_plane():
-    found = value("surface_distance", plane(40), plane(20, spacing=2.0))
-    inside = value("surface_distance", plane(39), plane(20, spacing=2.0))
-    assert inside["surface_distance_max_pct"] == pytest.approx(0, abs=1e-6)
-    assert found["surface_distance_max_pct"] == pytest.approx(100 * math.sqrt(2) / (39 * math.sqrt(2)))
+def ball(n_points):
+    """Random points on the unit sphere."""
+    points = np.random.default_rng(0).normal(size=(n_points, 3))
+    return points / np.linalg.norm(points, axis=1, keepdims=True)
 
 
-def test_the_surface_of_a_sphere_lies_a_sagitta_inside():
-    rng = np.random.default_rng(0)
-    sphere = rng.normal(size=(6000, 3))
-    sphere /= np.linalg.norm(sphere, axis=1, keepdims=True)
-    found = value("surface_distance", sphere, sphere[:1500])
-    assert 0.01 < found["surface_distance_pct"] < 0.2
-    assert found["surface_distance_max_pct"] < value("hausdorff", sphere, sphere[:1500])["hausdorff_pct"]
+SURFACES = pytest.mark.parametrize("name", ["surface_distance", "pivoted_distance"])
 
 
-def test_the_surface_does_not_depend_on_the_order_of_the_points():
-    rng = np.random.default_rng(0)
-    sphere = rng.normal(size=(3000, 3))
-    sphere /= np.linalg.norm(sphere, axis=1, keepdims=True)
-    shuffled = rng.permutation(sphere[:700])
-    assert value("surface_distance", sphere, sphere[:700]) == value("surface_distance", sphere, shuffled)
+@SURFACES
+def test_the_surface_of_a_thinned_plane_is_the_plane(name):
+    found = value(name, plane(40), plane(20, spacing=2.0))
+    inside = value(name, plane(39), plane(20, spacing=2.0))
+    assert inside[f"{name}_max_pct"] == pytest.approx(0, abs=1e-6)
+    assert found[f"{name}_max_pct"] == pytest.approx(100 * math.sqrt(2) / (39 * math.sqrt(2)))
 
 
+@SURFACES
+def test_the_surface_of_a_sphere_lies_a_sagitta_inside(name):
+    sphere = ball(6000)
+    found = value(name, sphere, sphere[:1500])
+    assert 0.01 < found[f"{name}_pct"] < 0.2
+    assert found[f"{name}_max_pct"] < value("hausdorff", sphere, sphere[:1500])["hausdorff_pct"]
+
+
+@SURFACES
+def test_the_surface_does_not_depend_on_the_order_of_the_points(name):
+    sphere = ball(3000)
+    shuffled = np.random.default_rng(1).permutation(sphere[:700])
+    assert value(name, sphere, sphere[:700]) == value(name, sphere, shuffled)
+
+
+@SURFACES
 @pytest.mark.parametrize(
     "kept", [LINE[:1], LINE[:2], KEPT, np.zeros((4, 3))], ids=["one", "two", "ends", "same"]
 )
-def test_points_without_a_triangle_stand_for_the_surface(kept):
-    found = value("surface_distance", LINE, kept)
-    assert found["surface_distance_max_pct"] == value("hausdorff", LINE, kept)["hausdorff_pct"]
+def test_points_without_a_triangle_stand_for_the_surface(name, kept):
+    found = value(name, LINE, kept)
+    assert found[f"{name}_max_pct"] == value("hausdorff", LINE, kept)["hausdorff_pct"]
+
+
+def test_the_surface_follows_the_spacing_where_one_ball_does_not():
+    """Of two planes, one twenty times as coarse, balls of one size represent the finer one only."""
+    above = np.array([0.0, 0.0, 400.0])
+    original = np.concatenate([plane(60), plane(60, spacing=20.0) + above])
+    kept = np.concatenate([plane(30, spacing=2.0), plane(30, spacing=40.0) + above])
+    rim = 100 * 20 * math.sqrt(2) / np.linalg.norm(np.ptp(original, axis=0))
+    assert value("surface_distance", original, kept)["surface_distance_max_pct"] == pytest.approx(rim)
+    assert value("surface_distance", original, kept)["surface_distance_p95_pct"] < 0.8 * rim
+    mean = {
+        name: value(name, original, kept)[f"{name}_pct"] for name in ("surface_distance", "pivoted_distance")
+    }
+    assert mean["surface_distance"] < 0.75 * mean["pivoted_distance"]
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_hundredth_of_the_points_exchanged_changes_the_surface_by_less_than_three_hundredths(seed):
+    """On an open scene whose density falls with distance, as a scanner on the ground sees it."""
+    rng = np.random.default_rng(seed)
+    radius, angle = 2 * np.exp(rng.uniform(0, 3, 12000)), rng.uniform(0, 2 * np.pi, 12000)
+    x, y = radius * np.cos(angle), radius * np.sin(angle)
+    scene = np.column_stack([x, y, np.sin(x / 3) * np.cos(y / 4)])
+    rows = rng.permutation(len(scene))
+    kept, other = rows[:1200], rows[12:1212]
+    before, after = (
+        value("surface_distance", scene, scene[r])["surface_distance_pct"] for r in (kept, other)
+    )
+    assert after == pytest.approx(before, rel=0.03)
 
 
 @given(st.integers(0, 1000), st.integers(2, 60), st.integers(1, 60))
