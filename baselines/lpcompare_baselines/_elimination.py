@@ -1,9 +1,9 @@
 """Removal of the least important point, one after the other, with importance kept up to date.
 
 The methods of this kind differ in what a point is worth, which follows from its nearest points that are left.
-The loop is theirs together: a heap of importance, and for each point a list of its nearest points. The lists
-are longer than needed. They are made again when a share of the points is gone, or when one of them runs
-short. So the neighborhoods are those of the points left, exactly, at every step.
+The loop is theirs together: a heap of importance, and for each point a list of its nearest points, longer than
+needed. A list that runs short is asked for again, and all lists when a share of the points is gone. So the
+neighborhoods are those of the points left, exactly, at every step.
 """
 
 from __future__ import annotations
@@ -14,21 +14,24 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit, types
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
 
+from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.geometry.scale import bounding_box_diagonal
 from lpcompare.types import Indices, Mask, Points, Vector
 from lpcompare_baselines._heap import pop, settle
-from lpcompare_baselines._hoods import IndexArray, nearest_others
+from lpcompare_baselines._hoods import nearest_others
 
 SIGNATURE = types.float64(types.int64, types.int64[::1], types.float64[:, ::1], types.float64[:, ::1])
 """Of an importance, for ``numba.njit``: (row, rows of its neighborhood, points, data) -> importance."""
 
 Importance = Callable[[int, Indices, Points, NDArray[np.float64]], float]
 
-_SPARE, _SHORTEST_LIST = 3, 24
+_SPARE, _SHORTEST_LIST = 2, 16
+"""Entries of a list, over those needed, and at least."""
 _RENEWED_AT = 0.7
-"""Share of the points left at which the lists are made again."""
+"""Share of the points left at which all lists are made again."""
+_MOST_SHORT = 0.05
+"""Lists asked for one by one, as a share of the points, from which all new ones cost less."""
 _GAP_NEIGHBORS = 6
 _EVENNESS = 1e-3
 _WIDEST_GAP = 1.5
@@ -84,21 +87,24 @@ def eliminate(
         goes first. A point whose gap exceeds one and a half times that of an even result (its gap in the
         input times the square root of n / target) comes after all others.
     """
-    n = len(points)
-    fixed = np.zeros(n, bool) if fixed is None else fixed
+    n, n_removed = len(points), 0
     data = np.zeros((n, 0)) if data is None else np.ascontiguousarray(data)
     limits = _gap_limits(points, target_count) if even else np.zeros(0)
-    beyond_all = bounding_box_diagonal(points) or 1.0
+    worth = importance, points, data, limits, bounding_box_diagonal(points) or 1.0
     alive, removed, values = np.ones(n, bool), np.empty(n, np.int64), np.empty(n)
-    n_removed = 0
     while n - n_removed > target_count:
         n_left = n - n_removed
-        n_wanted = n_left - max(target_count, int(_RENEWED_AT * n_left), min(n_neighbors + 1, n_left - 1))
-        near, starts, who = _lists(points, alive, n_neighbors)
-        n_removed += _remove(
-            importance, points, data, near, starts, who, alive, fixed, limits, beyond_all,
-            min(n_neighbors, n_left - 1), n_wanted, removed[n_removed:], values[n_removed:],
-        )  # fmt: skip
+        n_stop = n - max(target_count, int(_RENEWED_AT * n_left), min(n_neighbors + 1, n_left - 1))
+        lists = _Lists(points, alive, min(n_neighbors, n_left - 1))
+        stale = np.flatnonzero(alive if fixed is None else alive & ~fixed)
+        heap, place, keys = np.zeros_like(stale), np.full(n, -1), np.empty(n)
+        size = 0
+        while n_removed < n_stop and lists.n_spare >= 0:
+            n_removed, size, stale = _remove(
+                *worth, lists.n_neighbors, *lists.arrays, alive, stale, heap, size, place, keys,
+                removed, values, n_removed, n_stop,
+            )  # fmt: skip
+            lists.renew(stale)
     return Elimination(np.flatnonzero(alive), removed[:n_removed], values[:n_removed])
 
 
@@ -107,44 +113,70 @@ def _gap_limits(points: Points, target_count: int) -> Vector:
     return _WIDEST_GAP * np.sqrt(len(points) / target_count) * gaps
 
 
-def _lists(points: Points, alive: Mask, n_neighbors: int) -> tuple[IndexArray, Indices, Indices]:
-    """Nearest living points of each living one (n, l), and for each one who has it in his list, end to end."""
-    rows = np.flatnonzero(alive)
-    listed = rows[nearest_others(points[rows], max(_SPARE * n_neighbors, _SHORTEST_LIST))[1]]
-    near = np.zeros((len(points), listed.shape[1]), np.int64)
-    near[rows] = listed
-    ends = listed.shape[1] * np.arange(len(rows) + 1)
-    ones = np.ones(listed.size, np.int8)
-    who = csr_array((ones, listed.ravel(), ends), (len(rows), len(points))).tocsc()
-    return near, who.indptr.astype(np.int64), rows[who.indices]
+class _Lists:
+    """The nearest points of each point that is left, and for each point who has it in his list.
+
+    Attributes
+    ----------
+    n_neighbors : int
+    arrays : tuple of ndarray
+        The lists, shape (n, l), nearest first, -1 after the last; and chains of those who have a point in their
+        list: where the chain of each point begins, shape (n,), and who stands at each place of it and which
+        place is next, shape (c,) each, -1 at the end.
+    n_spare : int
+        Lists that can still be asked for one by one.
+    """
+
+    def __init__(self, points: Points, alive: Mask, n_neighbors: int) -> None:
+        self.points, self.alive, self.n_neighbors = points, alive, n_neighbors
+        self.rows = np.flatnonzero(alive)
+        listed = nearest_others(points[self.rows], max(_SPARE * n_neighbors, _SHORTEST_LIST))[1]
+        near = np.full((len(points), listed.shape[1]), -1, np.int32)
+        near[self.rows] = self.rows[listed]
+        self.n_spare = int(_MOST_SHORT * len(self.rows)) + 1
+        first = np.full(len(points), -1, np.int32)
+        who, after = np.empty((2, (len(self.rows) + self.n_spare) * near.shape[1]), np.int32)
+        self.arrays = near, first, who, after
+        self._n_linked = _link(self.rows, *self.arrays, 0)
+        self._tree: Neighbors | None = None
+
+    def renew(self, rows: Indices) -> None:
+        """Ask the tree for the lists of rows, unless there are too many of them."""
+        near = self.arrays[0]
+        self.n_spare -= len(rows)
+        if self.n_spare < 0:
+            return
+        self._tree = self._tree or Neighbors(self.points[self.rows])
+        for row in rows:
+            n_asked, found = near.shape[1], self.rows[:0]
+            while len(found) < self.n_neighbors:
+                n_asked *= 2
+                found = self.rows[self._tree.query(self.points[[row]], n_asked, n_threads=1)[1][0]]
+                found = found[self.alive[found] & (found != row)][: near.shape[1]]
+            near[row] = -1
+            near[row, : len(found)] = found
+        self._n_linked = _link(rows, *self.arrays, self._n_linked)
 
 
-_REMOVE = types.int64(
-    types.FunctionType(SIGNATURE),
-    types.float64[:, ::1],
-    types.float64[:, ::1],
-    types.int64[:, ::1],
-    types.int64[::1],
-    types.int64[::1],
-    types.boolean[::1],
-    types.boolean[::1],
-    types.float64[::1],
-    types.float64,
-    types.int64,
-    types.int64,
-    types.int64[::1],
-    types.float64[::1],
-)
+@njit("i8(i8[::1], i4[:,::1], i4[::1], i4[::1], i4[::1], i8)", cache=True)
+def _link(rows, near, first, who, after, n_linked):
+    """Enter rows in the chains of the points in their lists; returns how many places are used."""
+    for row in rows:
+        for other in near[row]:
+            if other >= 0:
+                who[n_linked], after[n_linked], first[other] = row, first[other], n_linked
+                n_linked += 1
+    return n_linked
 
 
-@njit("i8(i8, i8, i8[:,::1], b1[::1], i8[::1])", cache=True)
+@njit("i8(i8, i8, i4[:,::1], b1[::1], i8[::1])", cache=True)
 def _neighborhood(row, gone, near, alive, hood):
-    """Fill ``hood`` with the nearest living points: 1 when it had ``gone`` before, 0 when not, -1 when short."""
+    """Fill ``hood`` with the nearest points left: 1 when ``gone`` was among them, 0 when not, -1 when short."""
     found, affected = 0, 0
     for other in near[row]:
         if other == gone:
             affected = 1
-        elif alive[other]:
+        elif other >= 0 and alive[other]:
             hood[found] = other
             found += 1
             if found == len(hood):
@@ -152,49 +184,66 @@ def _neighborhood(row, gone, near, alive, hood):
     return -1
 
 
-@njit("f8(f8, i8, i8[::1], f8[:,::1], f8[::1], f8)", cache=True)
-def _kept_even(value, row, hood, points, limits, beyond_all):
+@njit(types.float64(types.FunctionType(SIGNATURE), *SIGNATURE.args[2:], types.float64[::1], types.float64,
+                    *SIGNATURE.args[:2]), cache=True)  # fmt: skip
+def _worth(importance, points, data, limits, beyond_all, row, hood):
+    """Importance of a point, evened out where there are limits; see ``even`` of `eliminate`."""
+    value = importance(row, hood, points, data)
+    if len(limits) == 0:
+        return value
     gap = 0.0
     for other in hood[:_GAP_NEIGHBORS]:
-        x, y, z = points[other] - points[row]
-        gap += np.sqrt(x * x + y * y + z * z) / _GAP_NEIGHBORS
+        squared = 0.0
+        for c in range(3):
+            squared += (points[other, c] - points[row, c]) ** 2
+        gap += np.sqrt(squared) / _GAP_NEIGHBORS
     return beyond_all + gap if gap > limits[row] else value + _EVENNESS * gap
+
+
+_REMOVE = types.Tuple((types.int64, types.int64, types.int64[::1]))(
+    types.FunctionType(SIGNATURE), *SIGNATURE.args[2:], types.float64[::1], types.float64,
+    types.int64, types.int32[:, ::1], types.int32[::1], types.int32[::1], types.int32[::1],
+    types.boolean[::1], types.int64[::1], types.int64[::1], types.int64, types.int64[::1], types.float64[::1],
+    types.int64[::1], types.float64[::1], types.int64, types.int64,
+)  # fmt: skip
 
 
 @njit(_REMOVE, cache=True)
 def _remove(
-    importance, points, data, near, starts, who, alive, fixed, limits, beyond_all, n_neighbors, n_wanted,
-    removed, values,
+    importance, points, data, limits, beyond_all, n_neighbors, near, first, who, after, alive, stale, heap, size,
+    place, keys, removed, values, n_removed, n_stop,
 ):  # fmt: skip
-    """Remove up to ``n_wanted`` points; fewer when a list runs short. Returns how many."""
-    heap = np.flatnonzero(alive & ~fixed)
-    place, keys = np.full(len(points), -1), np.empty(len(points))
-    for at, row in enumerate(heap):
-        place[row] = at
-        hood = near[row, :n_neighbors]
-        keys[row] = importance(row, hood, points, data)
-        if len(limits):
-            keys[row] = _kept_even(keys[row], row, hood, points, limits, beyond_all)
-    size = len(heap)
-    for at in range(size):
-        settle(at, heap, at + 1, place, keys)
+    """Value the stale rows, then remove points until ``n_stop`` are gone or lists run short.
+
+    Returns how many are gone, the heap's size, and the rows whose lists ran short: the next stale ones.
+    """
     hood = np.empty(n_neighbors, np.int64)
-    for done in range(n_wanted):
-        row = pop(heap, size, place, keys)
+    for row in stale:
+        _neighborhood(row, -1, near, alive, hood)
+        keys[row] = _worth(importance, points, data, limits, beyond_all, row, hood)
+        if place[row] < 0:
+            heap[size], place[row] = row, size
+            size += 1
+        settle(place[row], heap, size, place, keys)
+    short = np.empty(len(points), np.int64)
+    n_short = 0
+    while n_removed < n_stop and n_short == 0:
+        gone = pop(heap, size, place, keys)
         size -= 1
-        removed[done], values[done] = row, keys[row]
-        alive[row] = False
-        if done + 1 == n_wanted:
-            break
-        for other in who[starts[row] : starts[row + 1]]:
-            if place[other] < 0:
+        removed[n_removed], values[n_removed] = gone, keys[gone]
+        alive[gone] = False
+        n_removed += 1
+        at = first[gone] if n_removed < n_stop else -1
+        while at >= 0:
+            row = who[at]
+            at = after[at]
+            if place[row] < 0:
                 continue
-            state = _neighborhood(other, row, near, alive, hood)
+            state = _neighborhood(row, gone, near, alive, hood)
             if state < 0:
-                return done + 1
-            if state:
-                keys[other] = importance(other, hood, points, data)
-                if len(limits):
-                    keys[other] = _kept_even(keys[other], other, hood, points, limits, beyond_all)
-                settle(place[other], heap, size, place, keys)
-    return n_wanted
+                short[n_short] = row
+                n_short += 1
+            elif state:
+                keys[row] = _worth(importance, points, data, limits, beyond_all, row, hood)
+                settle(place[row], heap, size, place, keys)
+    return n_removed, size, short[:n_short].copy()

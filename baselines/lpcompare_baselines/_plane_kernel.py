@@ -68,8 +68,11 @@ def fit_plane(offsets, weights, center, axes):
     covariance, vectors = np.zeros((3, 3)), np.empty((3, 3))
     for i in range(len(offsets)):
         for r in range(3):
-            for c in range(3):
+            for c in range(r, 3):
                 covariance[r, c] += weights[i] * (offsets[i, r] - center[r]) * (offsets[i, c] - center[c])
+    for r in range(1, 3):
+        for c in range(r):
+            covariance[r, c] = covariance[c, r]
     diagonalize(covariance, vectors)
     least = 0
     for r in range(1, 3):

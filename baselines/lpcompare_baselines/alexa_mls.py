@@ -72,15 +72,18 @@ def alexa_mls(
 
 @njit("f8(f8[:,::1], f8[::1])", cache=True)
 def _last_unknown(matrix, right):
-    """Last unknown of a symmetric system by elimination; 0 where a pivot nearly vanishes."""
+    """Last unknown of a symmetric system by elimination; 0 where a pivot nearly vanishes.
+
+    Of the matrix only the upper half is looked at.
+    """
     n = len(right)
     whole = np.diag(matrix).copy()
     for p in range(n):
         if matrix[p, p] <= _SINGULAR * whole[p]:
             return 0.0
         for r in range(p + 1, n):
-            share = matrix[r, p] / matrix[p, p]
-            for c in range(p, n):
+            share = matrix[p, r] / matrix[p, p]
+            for c in range(r, n):
                 matrix[r, c] -= share * matrix[p, c]
             right[r] -= share * right[p]
     return right[n - 1] / matrix[n - 1, n - 1]
@@ -99,7 +102,7 @@ def height_of_fit(offsets, weights, axes):
         terms[0], terms[1], terms[2], terms[3], terms[4], terms[5] = u * u, u * v, v * v, u, v, 1.0
         for r in range(_COEFFICIENTS):
             right[r] += weights[i] * terms[r] * f
-            for c in range(_COEFFICIENTS):
+            for c in range(r, _COEFFICIENTS):
                 matrix[r, c] += weights[i] * terms[r] * terms[c]
     return _last_unknown(matrix, right)
 

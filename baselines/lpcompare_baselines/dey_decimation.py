@@ -64,7 +64,10 @@ def dey_decimation(points: Points, target_count: int, *, rng: np.random.Generato
 @njit(SIGNATURE, cache=True)
 def _ratio(row, hood, points, sizes):
     """Distance to the nearest point over the feature size."""
-    return np.sqrt(((points[hood[0]] - points[row]) ** 2).sum()) / sizes[row, 0]
+    squared = 0.0
+    for c in range(3):
+        squared += (points[hood[0], c] - points[row, c]) ** 2
+    return np.sqrt(squared) / sizes[row, 0]
 
 
 def feature_sizes(points: Points) -> Vector:

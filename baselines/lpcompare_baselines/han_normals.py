@@ -87,9 +87,10 @@ def tangent_distance(row, hood, points, normals):
     """Mean distance of a point to the tangent planes at its neighbors, in model units."""
     total = 0.0
     for other in hood:
-        x, y, z = normals[other]
-        u, v, w = points[row] - points[other]
-        total += abs(x * u + y * v + z * w)
+        height = 0.0
+        for c in range(3):
+            height += normals[other, c] * (points[row, c] - points[other, c])
+        total += abs(height)
     return total / len(hood)
 
 
