@@ -25,6 +25,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from lpcompare.geometry.graphs import high_pass_energy, nearest_others
+from lpcompare.geometry.shares import nearest_shares
 from lpcompare.types import Points, Simplification, Traits, Vector
 
 TRAITS = Traits(
@@ -37,7 +38,6 @@ TRAITS = Traits(
 
 _STEPS = 300
 _SMALL = 1e-5
-_HALVINGS = 30
 
 
 def qi_graph(
@@ -110,12 +110,3 @@ def solve_shares(features: Vector, members: csr_array, uniformity: float, target
         following = (1 + np.sqrt(1 + 4 * momentum**2)) / 2
         ahead, momentum = shares + (momentum - 1) / following * step, following
     return shares
-
-
-def nearest_shares(values: Vector, total: float) -> Vector:
-    """The nearest vector to some values whose entries lie in [0, 1] and have a given sum, by bisection."""
-    low, high = values.min() - 1.0, values.max()
-    for _ in range(_HALVINGS):
-        shift = (low + high) / 2
-        low, high = (shift, high) if np.clip(values - shift, 0.0, 1.0).sum() > total else (low, shift)
-    return np.clip(values - (low + high) / 2, 0.0, 1.0)
