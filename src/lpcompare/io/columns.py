@@ -301,8 +301,7 @@ def _typed(what: str, values: NDArray[Any], types: Sequence[str], notes: list[st
     widest = np.dtype(types[-1])
     if exactly(values, widest) is None:
         notes.append(f"{what} is rounded to {widest}")
-    with np.errstate(over="ignore"):
-        return values.astype(widest)
+    return values.astype(widest)
 
 
 def exactly(
@@ -320,8 +319,7 @@ def exactly(
     if values.dtype.kind in "biu":
         largest = 2 ** (np.finfo(kind).nmant + 1)
         return values.astype(kind) if _within(values, -largest, largest) else None
-    with np.errstate(over="ignore"):
-        new = values.astype(kind)
+    new = values.astype(kind)
     return new if np.array_equal(new.astype(values.dtype), values, equal_nan=True) else None
 
 

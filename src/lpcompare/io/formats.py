@@ -68,7 +68,7 @@ def read(path: str | os.PathLike[str], *, drop_invalid: bool = False) -> PointCl
     1
     """
     path = Path(path)
-    with _sentences(path):
+    with _sentences(path), np.errstate(all="ignore"):
         _check_source(path)
         family = _family(path)
         cloud = isolated.read(family, path) if _isolated(family, path) else _module(family).read(path)
@@ -110,10 +110,10 @@ def write(path: str | os.PathLike[str], cloud: PointCloud) -> tuple[str, ...]:
     """
     path = Path(path)
     module = _module(_writable(path))
-    fit, notes = fitted(cloud, module.HOLDS[path.suffix.lower()], path.suffix.lower())
     _check_folder(path)
     try:
-        with whole_file(path) as part:
+        with np.errstate(all="ignore"), whole_file(path) as part:
+            fit, notes = fitted(cloud, module.HOLDS[path.suffix.lower()], path.suffix.lower())
             module.write(part, fit)
     except Damaged as error:
         raise InputError(f"{path} cannot be written: {error}.") from error
@@ -151,7 +151,7 @@ def keep_rows(
                 f"{source.name} and {target.name} are not of one format; write the cloud instead."
             )
     _check_folder(target)
-    with _sentences(source), whole_file(target) as part:
+    with _sentences(source), np.errstate(all="ignore"), whole_file(target) as part:
         if _isolated(family, source):
             return isolated.keep_rows(family, source, part, rows)
         return _module(family).keep_rows(source, part, rows)

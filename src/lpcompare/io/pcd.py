@@ -77,9 +77,8 @@ def read(path: Path) -> PointCloud:
 def write(path: Path, cloud: PointCloud) -> None:
     """Binary PCD; coordinates in single precision where that loses nothing, as PCL expects them."""
     columns = columns_of(cloud, _NORMALS)
-    with np.errstate(over="ignore"):
-        if np.array_equal(cloud.points.astype(np.float32), cloud.points, equal_nan=True):
-            columns |= {axis: columns[axis].astype(np.float32) for axis in AXES}
+    if np.array_equal(cloud.points.astype(np.float32), cloud.points, equal_nan=True):
+        columns |= {axis: columns[axis].astype(np.float32) for axis in AXES}
     if cloud.colors is not None:
         red, green, blue, alpha = (
             columns.pop(c).astype(np.uint32) for c in ("red", "green", "blue", "alpha")

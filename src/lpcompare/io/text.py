@@ -206,9 +206,8 @@ def _columns(lines: list[bytes], separator: str) -> list[NDArray[Any]]:
         table = numbers(lines, separator=None if separator == " " else separator, quotechar='"')
     except Damaged:
         table = None
-    with np.errstate(invalid="ignore"):
-        if table is not None and not (np.abs(table) >= _LARGEST_DOUBLE).any():
-            return list(table.T)
+    if table is not None and not (np.abs(table) >= _LARGEST_DOUBLE).any():
+        return list(table.T)
     rows = [_cells(line, separator) for line in lines]
     wrong = next((i for i, row in enumerate(rows) if len(row) != len(rows[0])), None)
     if wrong is not None:
