@@ -46,6 +46,7 @@ class Variant:
 
     @property
     def label(self) -> str:
+        """Method and settings as one word each."""
         words = " ".join(f"{k}={v}" for k, v in self.settings.items())
         return f"{self.method} {words}".strip()
 
@@ -136,8 +137,12 @@ def rows(entries: list[dict[str, Any]], folder: Path, variants: list[Variant]) -
 
 def sweep() -> list[Variant]:
     """The settings of the frontier."""
-    limits, shares = (1.0, 1.1, 1.28, 1.5, 1.8), (0.0, 0.3, 0.6)
-    return [Variant("lp_uniform", {"emphasis": (x, s)}) for x in limits for s in shares]
+    words, rounds = ("error", "coverage"), (0, 2, 12)
+    limits = (1.0, 1.1, 1.2, 1.4, 1.6, 1.8)
+    return [
+        *(Variant("lp_uniform", {"emphasis": x}) for x in (*words, *limits)),
+        *(Variant("lp_uniform", {"n_rounds": n}) for n in rounds),
+    ]
 
 
 def write_rows(path: Path, found: list[dict[str, Any]]) -> None:
@@ -161,17 +166,24 @@ def draw_frontier(path: Path) -> None:
         means = {k: float(np.exp(np.mean([np.log(r[k]) for r in found]))) for k in tables["COLUMNS"]}
         chosen = label in OURS or label in RIVALS
         for axis, key in zip(axes, keys, strict=True):
-            axis.plot(means[key], means["plane_error_pct"], "o" if chosen else ".", color="C1" if chosen else "C0")
+            axis.plot(
+                means[key], means["plane_error_pct"], "o" if chosen else ".", color="C1" if chosen else "C0"
+            )
             if chosen:
                 axis.annotate(label, (means[key], means["plane_error_pct"]), fontsize=7)
             axis.set_xlabel(tables["COLUMNS"][key])
     axes[0].set_ylabel("plane error (eq. 27)")
-    figure.suptitle("Multiples of Poisson disk sampling at equal counts, geometric means; lower left is better")
+    figure.suptitle(
+        "Multiples of Poisson disk sampling at equal counts, geometric means; lower left is better"
+    )
     figure.savefig(HERE / "frontier.png", dpi=110)
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    """Make what the command line asks for."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--models", type=Path, required=True)
     parser.add_argument("--set", default="all", help="development, kept-apart, small or all")
     parser.add_argument("--methods", nargs="*", default=[*OURS, *RIVALS])
@@ -179,7 +191,9 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=HERE)
     given = parser.parse_args()
     wanted = "small" if given.sweep else given.set
-    entries = [e for e in study()["models"] if wanted == "all" and e["set"] != "small" or e["set"] == wanted]
+    entries = [
+        e for e in study()["models"] if e["set"] == wanted or (wanted == "all" and e["set"] != "small")
+    ]
     variants = [Variant(m, {}) for m in given.methods] + (sweep() if given.sweep else [])
     found = []
     target = given.out / ("sweep.csv" if given.sweep else "records.csv")
