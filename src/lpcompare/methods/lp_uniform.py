@@ -1,7 +1,7 @@
 """Boolean programme per cluster that keeps the density and one point per blue-noise cell.
 
 Leal, Leal and Sanchez-Torres (2017), section V, made concrete: cells as many as the budget, smaller where the
-surface bends, corrected by exchanges against eq. 27; in each cluster the programme of eqs. 14-26 chooses one
+surface bends, corrected by swaps against the error; in each cluster the programme of eqs. 14-26 chooses one
 point of every cell so that the density is kept and the originals are represented best.
 """
 
@@ -27,7 +27,8 @@ def lp_uniform(
     rng: np.random.Generator,
     n_clusters: ClusterCountSetting = 20,
     n_neighbors: int = 20,
-    n_rounds: int = 12,
+    emphasis: str = "balanced",
+    n_rounds: int = 6,
     density_tolerance: float = 0.01,
     gap: float = 5e-3,
     time_limit: float = 10.0,
@@ -51,6 +52,7 @@ def lp_uniform(
         target_count=target_count,
         n_clusters=n_clusters,
         n_neighbors=n_neighbors,
+        emphasis=emphasis,
         n_rounds=n_rounds,
         density_tolerance=density_tolerance,
         gap=gap,

@@ -16,7 +16,8 @@ from lpcompare.uniform.cells import blue_noise_centers, sampling_weights, tilt_t
 from lpcompare.uniform.densities import DensityBand
 from lpcompare.uniform.program import SpreadCertificate, Stop, select_one_per_cell
 from lpcompare.uniform.quadrics import cheapest_of_each, tangent_quadrics
-from lpcompare.uniform.swaps import swap_points
+from lpcompare.uniform.rims import Rims
+from lpcompare.uniform.swaps import Emphasis, swap_points
 
 _SPREAD = 0.05
 _BAND = 0.8
@@ -50,13 +51,13 @@ def cluster_densities(points: Points, labels: Indices) -> ClusterDensity:
 
 
 def spread_points(
-    tree: Neighbors, surface: Surface, curvature: Vector, density: ClusterDensity, n_keep: int
+    tree: Neighbors, surface: Surface, rims: Rims, curvature: Vector, density: ClusterDensity, n_keep: int
 ) -> Indices:
     """One original per blue-noise cell, the one that represents it best: ``n_keep`` ascending rows."""
     points = tree.sorted_points
     weights = tilt_to_density(sampling_weights(surface.areas, curvature), density.costs, density.labels)
     centers = blue_noise_centers(tree, weights, n_keep)
-    quadrics = tangent_quadrics(points, surface, centers)
+    quadrics = tangent_quadrics(points, surface, rims, centers)
     costs = quadrics.costs(points, _SPREAD)
     chosen = cheapest_of_each(costs, quadrics.owners, n_keep)
     return _filled(points, chosen[chosen >= 0], n_keep)
@@ -72,16 +73,24 @@ def _filled(points: Points, chosen: Indices, n_keep: int) -> Indices:
 
 
 def refine_in_density(
-    tree: Neighbors, indices: Indices, density: ClusterDensity, n_rounds: int, tolerance: float
+    tree: Neighbors,
+    surface: Surface,
+    indices: Indices,
+    density: ClusterDensity,
+    *,
+    n_rounds: int,
+    tolerance: float,
+    emphasis: Emphasis,
 ) -> Indices:
-    """Swap points against eq. 27 while every cluster keeps its density."""
+    """Swap points against their error while every cluster keeps its density."""
     band = DensityBand(density.labels, density.costs, _BAND * tolerance)
-    return swap_points(tree, indices, n_rounds=n_rounds, band=band)
+    return swap_points(tree, surface.normals, indices, n_rounds=n_rounds, emphasis=emphasis, band=band)
 
 
 def solve_programmes(
     points: Points,
     surface: Surface,
+    rims: Rims,
     density: ClusterDensity,
     sites: Indices,
     *,
@@ -95,6 +104,7 @@ def solve_programmes(
     ----------
     points : ndarray, shape (n, 3)
     surface : Surface
+    rims : Rims
     density : ClusterDensity
     sites : ndarray of int, shape (m,)
         Rows whose nearest originals are the cells; each belongs to the cluster of its site.
@@ -111,7 +121,7 @@ def solve_programmes(
     certificates : list of SpreadCertificate
         One per cluster that owns a site, densities in 1 / unit of the points.
     """
-    quadrics = tangent_quadrics(points, surface, points[sites])
+    quadrics = tangent_quadrics(points, surface, rims, points[sites])
     costs = quadrics.costs(points, _SPREAD)
     owners = _own_sites(quadrics.owners, sites)
     candidates = np.flatnonzero(_candidates(points, density.labels, sites, owners))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from lpcompare.types import Indices, Mask, Vector
+from lpcompare.types import Indices, Vector
 
 
 class DensityBand:
@@ -24,8 +24,8 @@ class DensityBand:
     Attributes
     ----------
     arrays : tuple
-        What `bears` takes: labels, costs, the number of kept points and the sum of their costs in every
-        cluster, tolerance.
+        What `lpcompare.uniform.swaps.pair_up` takes: labels, costs, the number of kept points and the sum of
+        their costs in every cluster, tolerance.
     """
 
     def __init__(self, labels: Indices, costs: Vector, tolerance: float = 0.01) -> None:
@@ -44,27 +44,19 @@ class DensityBand:
         counts[:] = np.bincount(labels[kept], minlength=len(counts))
         sums[:] = np.bincount(labels[kept], weights=costs[kept], minlength=len(counts))
 
-    def wants(self, points: Indices, change: int) -> Mask:
-        """Which of ``points``, taken in (1) or out (-1), bring a cluster back that is out of its band."""
+    def pull(self) -> Vector:
+        """How much dropping each original would bring its cluster back, in points' shares, shape (n,).
+
+        Positive where the density is above its band and the original adds to it, or below and it takes from
+        it; 0 in clusters that are in their band.
+        """
         labels, costs, counts, sums, tolerance = self.arrays
-        deviations = np.where(counts > 0, sums / np.maximum(counts, 1) - 1.0, 0.0)[labels[points]]
-        pull = change * (costs[points] - 1.0) * deviations
-        return (np.abs(deviations) > tolerance) & (pull < 0)
+        deviations = np.where(counts > 0, sums / np.maximum(counts, 1) - 1.0, 0.0)
+        sides = np.where(np.abs(deviations) > tolerance, np.sign(deviations), 0.0)
+        return sides[labels] * (costs - 1.0)
 
 
 @njit(cache=True, nogil=True)
-def bears(band, row, change, forced):
-    """Count a point in (``change`` = 1) or out (-1) if its cluster bears that, or if it is forced to."""
-    labels, costs, counts, sums, tolerance = band
-    cluster = labels[row]
-    count, total = counts[cluster] + change, sums[cluster] + change * costs[row]
-    after = _deviation(total, count)
-    if not forced and after > tolerance and after >= _deviation(sums[cluster], counts[cluster]):
-        return False
-    counts[cluster], sums[cluster] = count, total
-    return True
-
-
-@njit(cache=True, nogil=True)
-def _deviation(total, count):
+def deviation(total, count):
+    """What the mean cost of a cluster's kept points differs from one by; 0 for a cluster without any."""
     return abs(total / count - 1.0) if count > 0 else 0.0

@@ -1,8 +1,11 @@
-"""The nearest kept points of every original and its eq. 27 error, up to date while points are swapped.
+"""The nearest kept points of every original and its error, up to date while points are swapped.
 
 Each original has a list of up to 16 kept points, nearest first, and the radius inside which the list is
 complete. A swap squeezes the points that leave out of the lists, and inserts those that arrive inside the
 radius. Only a list that becomes too short is looked up again.
+
+The error of an original mixes two distances: eq. 27's, to planes through its nearest kept points, and that to the
+triangles around the nearest of them. Planes smooth; triangles feel a rim that is lost and a ridge that is cut.
 """
 
 from __future__ import annotations
@@ -12,13 +15,17 @@ from numba import njit
 
 from lpcompare.geometry.kernels import gather, mean_plane_distance, nearest_of
 from lpcompare.geometry.neighbors import Neighbors
+from lpcompare.geometry.stars import make_stars
 from lpcompare.threads import for_blocks
-from lpcompare.types import Indices
+from lpcompare.types import Indices, Points, Vector
 
 SIZES = (6, 8, 12)
 """Neighbourhood sizes of eq. 27 that the error averages over: none is won at the cost of another."""
 
 _CAPACITY = 16
+_STARS = 3
+_TRIANGLE_SCALE = 2.0
+"""Distances to triangles are about half of those to planes."""
 _LEAVES = 128
 
 
@@ -29,8 +36,12 @@ class Neighborhoods:
     ----------
     tree : Neighbors
         Of the originals, whose order all arrays follow: row ``i`` is ``tree.sorted_points[i]``.
+    normals : ndarray, shape (n, 3)
+        Of the originals.
     kept : ndarray of int, shape (m,)
         At least three rows.
+    triangle_share : float
+        Weight of the distance to triangles in the error, from 0 to 1.
 
     Attributes
     ----------
@@ -41,10 +52,10 @@ class Neighborhoods:
     gaps : ndarray, shape (n, 2)
         Distances to the nearest kept point and to the next.
     errors : ndarray, shape (n,)
-        Eq. 27 distance of each original, averaged over ``SIZES``.
+        Eq. 27 distance of each original, averaged over ``SIZES``, mixed with twice its distance to triangles.
     """
 
-    def __init__(self, tree: Neighbors, kept: Indices) -> None:
+    def __init__(self, tree: Neighbors, normals: Points, kept: Indices, triangle_share: float) -> None:
         n_points, needed = len(tree.sorted_points), min(max(SIZES), len(kept))
         self._tree = tree
         self._sizes = np.array([size for size in SIZES if size < needed] + [needed])
@@ -52,8 +63,9 @@ class Neighborhoods:
         self.kept = np.sort(kept)
         self.lists = np.empty((n_points, _CAPACITY), dtype=np.int32)
         self.counts = np.zeros(n_points, dtype=np.int8)
-        self._radii = np.zeros(n_points)
-        self.gaps, self.errors = np.empty((n_points, 2)), np.empty(n_points)
+        self._radii, self._normals, self._share = np.zeros(n_points), normals, triangle_share
+        self.gaps, self._planes = np.empty((n_points, 2)), np.empty(n_points)
+        self.errors = self._planes
         self._update(np.empty(0, dtype=np.intp), np.empty(0, dtype=np.intp))
 
     @property
@@ -61,9 +73,14 @@ class Neighborhoods:
         """For each original, the position in ``kept`` of its nearest kept point, shape (n,)."""
         return self._slots[self.lists[:, 0]]
 
-    def rings(self, positions: Indices, size: int) -> Indices:
-        """Positions of the kept points nearest to those at ``positions``, each itself among them."""
-        return self._slots[self.lists[self.kept[positions], : min(size, len(self.kept))]]
+    @property
+    def points(self) -> Points:
+        """The originals, shape (n, 3)."""
+        return self._tree.sorted_points
+
+    def rings(self, rows: Indices, size: int) -> Indices:
+        """Positions in ``kept`` of the kept points nearest to each of the originals ``rows``."""
+        return self._slots[self.lists[rows, : min(size, len(self.kept))]]
 
     def rank(self, limit: float) -> tuple[int, float]:
         """Originals beyond ``limit``, then the mean error: what a swap makes smaller."""
@@ -80,7 +97,7 @@ class Neighborhoods:
         leaving = np.zeros(len(points), dtype=np.bool_)
         leaving[dropped] = True
         arriving, all_kept = Neighbors(points[added]), Neighbors(points[self.kept])
-        state = self.lists, self.counts, self._radii, self.gaps, self.errors
+        state = self.lists, self.counts, self._radii, self.gaps, self._planes
         arrivals = (*arriving.arrays, added[arriving.order])
         everyone = (*all_kept.arrays, self.kept[all_kept.order])
 
@@ -89,6 +106,21 @@ class Neighborhoods:
             _renew(some, points, state, leaving, arrivals, everyone, self._sizes)
 
         for_blocks(len(leaves) - 1, renew, size=_LEAVES)
+        triangles = _TRIANGLE_SCALE * self._triangle_distances() if self._share > 0 else 0.0
+        self.errors = (1 - self._share) * self._planes + self._share * triangles
+
+    def _triangle_distances(self) -> Vector:
+        """Distance of every original to the stars of its three nearest kept points, shape (n,)."""
+        points, slots = self._tree.sorted_points, self._slots
+        corners = slots[self.lists[self.kept, : self._sizes[-1]]]
+        stars = make_stars(points[self.kept], self._normals[self.kept], corners)
+        distances = np.empty(len(points))
+
+        def measure(block: slice) -> None:
+            distances[block] = stars.distances(points[block], slots[self.lists[block, :_STARS]])
+
+        for_blocks(len(points), measure)
+        return distances
 
 
 @njit(cache=True, nogil=True)

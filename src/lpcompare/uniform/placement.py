@@ -14,31 +14,46 @@ from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.geometry.surface import Surface
 from lpcompare.types import Indices, Points
 from lpcompare.uniform.quadrics import tangent_quadrics
+from lpcompare.uniform.rims import Rims
 
 _STIFFNESS = 0.1
 _LARGEST_STEP = 0.25
+_HALVINGS = 3
 
 
-def place_points(points: Points, surface: Surface, indices: Indices) -> Points:
+def place_points(tree: Neighbors, surface: Surface, rims: Rims, indices: Indices) -> Points:
     """Move each kept point to the minimum of the quadric of its originals.
 
     Parameters
     ----------
-    points : ndarray, shape (n, 3)
-        The original cloud.
+    tree : Neighbors
+        Of the original cloud; rows are those of ``tree.sorted_points``.
     surface : Surface
-        Of ``points``.
+    rims : Rims
+        Both of the originals.
     indices : ndarray of int, shape (m,)
         Rows that were kept.
 
     Returns
     -------
     ndarray, shape (m, 3)
-        In the order of ``indices``, each moved by at most a quarter of its distance to the next kept point.
+        In the order of ``indices``. A point moves by at most a quarter of its distance to the next kept point.
+        It ends no farther from the nearest original than the eighth neighbour of its own, and none of its
+        originals ends farther from it than the farthest original was before; where a step breaks this, half
+        of it is tried, then a quarter, then none.
     """
-    sites = points[indices]
-    moved = tangent_quadrics(points, surface, sites).minima(_STIFFNESS)
-    spacings = Neighbors(sites).query(sites, 2)[0][:, -1]
-    steps = np.linalg.norm(moved - sites, axis=1)
-    shares = np.minimum(1.0, _LARGEST_STEP * spacings / np.where(steps > 0, steps, 1.0))
-    return sites + (moved - sites) * shares[:, None]
+    points, sites = tree.sorted_points, tree.sorted_points[indices]
+    quadrics = tangent_quadrics(points, surface, rims, sites)
+    nearest, nearby = Neighbors(sites), np.sqrt(surface.areas[indices])
+    spacings = nearest.query(sites, 2)[0][:, -1]
+    steps = quadrics.minima(_STIFFNESS) - sites
+    lengths = np.linalg.norm(steps, axis=1)
+    steps *= np.minimum(1.0, _LARGEST_STEP * spacings / np.where(lengths > 0, lengths, 1.0))[:, None]
+    limit = np.linalg.norm(points - sites[quadrics.owners], axis=1).max()
+    for _ in range(_HALVINGS):
+        moved = sites + steps
+        reach = np.zeros(len(sites))
+        np.maximum.at(reach, quadrics.owners, np.linalg.norm(points - moved[quadrics.owners], axis=1))
+        lost = (tree.query(moved, 1)[0][:, 0] > nearby) | (reach > limit)
+        steps[lost] *= 0.5
+    return sites + np.where(lost[:, None], 0.0, steps)

@@ -2,7 +2,8 @@
 
 Each original belongs to its two nearest sites and adds the squared distance to its tangent plane (Garland and
 Heckbert, SIGGRAPH 1997, from points instead of triangles) and a small share of its squared distance, which
-decides where the surface is flat.
+decides where the surface is flat. A rim adds the squared distance to a plane across the surface, so that a
+cell at the rim is represented on it.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.geometry.surface import Surface
 from lpcompare.threads import for_blocks
 from lpcompare.types import Indices, Points, Vector
+from lpcompare.uniform.rims import Rims
 
 _SHARED = 2
 
@@ -70,7 +72,7 @@ class Quadrics:
         return self.sites + np.linalg.solve(held, self.vectors[:, :, None])[:, :, 0]
 
 
-def tangent_quadrics(points: Points, surface: Surface, sites: Points, n_shared: int = _SHARED) -> Quadrics:
+def tangent_quadrics(points: Points, surface: Surface, rims: Rims, sites: Points) -> Quadrics:
     """Gather the quadric of every site from the originals for which it is among the nearest sites.
 
     Parameters
@@ -78,25 +80,30 @@ def tangent_quadrics(points: Points, surface: Surface, sites: Points, n_shared: 
     points : ndarray, shape (n, 3)
     surface : Surface
         Of ``points``.
+    rims : Rims
+        Of ``points``.
     sites : ndarray, shape (m, 3)
-    n_shared : int
-        Sites that each original counts for.
 
     Returns
     -------
     Quadrics
     """
     n_sites = len(sites)
-    nearest = Neighbors(sites).query(points, n_shared)[1]
+    nearest = Neighbors(sites).query(points, _SHARED)[1]
     matrices, vectors = np.zeros((n_sites, 3, 3)), np.zeros((n_sites, 3))
     constants, masses = np.zeros(n_sites), np.zeros(n_sites)
-    _gather(points, surface.normals, surface.areas, sites, nearest, matrices, vectors, constants, masses)
+    sums = matrices, vectors, constants
+    _gather(points, surface.normals, surface.areas, sites, nearest, *sums)
+    rows = rims.rows
+    _gather(points[rows], rims.directions, rims.areas, sites, nearest[rows, :1], *sums)
+    for owners in nearest.T:
+        masses += np.bincount(owners, surface.areas, n_sites)
     return Quadrics(sites, nearest[:, 0].copy(), matrices, vectors, constants, masses)
 
 
 @njit(cache=True, nogil=True)
-def _gather(points, normals, areas, sites, nearest, matrices, vectors, constants, masses):
-    """Add the squared distance to the plane of every original to the quadrics of its nearest sites."""
+def _gather(points, normals, areas, sites, nearest, matrices, vectors, constants):
+    """Add the squared distance to the plane through every point to the quadrics of its nearest sites."""
     for i in range(len(points)):
         area = areas[i]
         for site in nearest[i]:
@@ -104,7 +111,6 @@ def _gather(points, normals, areas, sites, nearest, matrices, vectors, constants
             for a in range(3):
                 height += (points[i, a] - sites[site, a]) * normals[i, a]
             constants[site] += area * height * height
-            masses[site] += area
             for a in range(3):
                 vectors[site, a] += area * height * normals[i, a]
                 for b in range(3):

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from lpcompare.checks import check_integer, check_number, check_points, check_target
+from lpcompare.checks import check_choice, check_integer, check_number, check_points, check_target
 from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.geometry.scale import normalize
 from lpcompare.geometry.surface import estimate_surface
@@ -23,6 +23,8 @@ from lpcompare.uniform.clusters import (
 )
 from lpcompare.uniform.placement import place_points
 from lpcompare.uniform.program import Stop
+from lpcompare.uniform.rims import find_rims
+from lpcompare.uniform.swaps import EMPHASES
 
 
 def simplify_uniformly(
@@ -74,8 +76,11 @@ class UniformReducer:
         of least BIC on a subsample.
     n_neighbors : int
         Points per curvature fit (eqs. 6-11), the point itself among them.
+    emphasis : str
+        What is given up last: "balanced", "error" (eq. 27 alone) or "coverage" (no original far from a kept
+        point). See `EMPHASES`.
     n_rounds : int
-        Rounds of exchange against eq. 27 before the programmes.
+        Rounds of swaps before the programs.
     density_tolerance : float
         Largest Z of eq. 14, as a share of the cluster's density, that costs nothing.
     gap : float
@@ -95,7 +100,8 @@ class UniformReducer:
         placed: bool = False,
         n_clusters: ClusterCountSetting = 20,
         n_neighbors: int = 20,
-        n_rounds: int = 12,
+        emphasis: str = "balanced",
+        n_rounds: int = 6,
         density_tolerance: float = 0.01,
         gap: float = 5e-3,
         time_limit: float = 10.0,
@@ -104,6 +110,7 @@ class UniformReducer:
     ) -> None:
         wanted = check_n_clusters(n_clusters)
         n_neighbors = check_integer("n_neighbors", n_neighbors, 1)
+        self._emphasis = EMPHASES[check_choice("emphasis", emphasis, EMPHASES)]
         self._n_rounds = check_integer("n_rounds", n_rounds, 0)
         self._tolerance = check_number("density_tolerance", density_tolerance, 0.0)
         self._stop = Stop(check_number("gap", gap, 0.0), check_number("time_limit", time_limit, 0.0))
@@ -139,12 +146,22 @@ class UniformReducer:
         """
         clock = StageClock(self._callback)
         clock.stage("cells")
-        sites = spread_points(self._tree, self._surface, self._curvature, self._density, n_keep)
+        rims = find_rims(self._cloud, self._surface, n_keep)
+        sites = spread_points(self._tree, self._surface, rims, self._curvature, self._density, n_keep)
         clock.stage("refinement")
-        sites = refine_in_density(self._tree, sites, self._density, self._n_rounds, self._tolerance)
+        sites = refine_in_density(
+            self._tree,
+            self._surface,
+            sites,
+            self._density,
+            n_rounds=self._n_rounds,
+            tolerance=self._tolerance,
+            emphasis=self._emphasis,
+        )
         indices, certificates = solve_programmes(
             self._cloud,
             self._surface,
+            rims,
             self._density,
             sites,
             tolerance=self._tolerance,
@@ -165,7 +182,7 @@ class UniformReducer:
             return Simplification(self._points[rows], rows, self._timings | clock.stop(), info)
         clock.stage("placement")
         indices = indices[np.argsort(self._tree.order[indices])]
-        moved = place_points(self._cloud, self._surface, indices) * self._scale + self._center
+        moved = place_points(self._tree, self._surface, rims, indices) * self._scale + self._center
         info["source"] = self._tree.order[indices].astype(np.intp)
         return Simplification(moved, None, self._timings | clock.stop(), info)
 

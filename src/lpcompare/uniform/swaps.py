@@ -1,39 +1,66 @@
-"""Exchange of kept points against eq. 27, guarded against holes.
+"""Swaps of kept points: those that a trial shows to pay, guarded against holes.
 
-Every original belongs to its nearest kept point. In each round the few per cent of kept points that carry
-the least error are dropped, and as many originals are taken where the error is largest, one in a cell.
-Neighbours are never dropped together; nothing is dropped that would leave an original farther from the
-reduced cloud than the hole limit, and originals that are farther already come first. Few rounds are enough,
-and few is right: further rounds go on to win eq. 27 by losing the surface.
+Every original belongs to its nearest kept point. In each round some kept points whose originals carry little
+error are dropped, and originals are taken where the error is largest, none beside another. This is a trial: the
+errors afterwards say what each drop cost and each addition gained. Pairs that gained more than they cost stay,
+as far as the densities of the clusters bear them; the others are taken back. So a point that lies off its
+surface, which an outlier or noise makes look urgent, does not stay: it spoils the planes of its neighbours.
+Nothing is dropped that would leave an original farther from the reduced cloud than the hole limit, and
+originals that are farther already come first.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numba import njit
 
+from lpcompare.checks import check_choice, check_integer
 from lpcompare.errors import InputError
 from lpcompare.geometry.neighbors import Neighbors
-from lpcompare.geometry.scale import bounding_box_center, bounding_box_diagonal
-from lpcompare.types import Indices, Mask, Points, Vector
-from lpcompare.uniform.densities import DensityBand, bears
+from lpcompare.geometry.scale import normalize
+from lpcompare.geometry.surface import estimate_surface
+from lpcompare.types import Indices, Points, Vector
+from lpcompare.uniform.densities import DensityBand, deviation
+from lpcompare.uniform.disks import disk_radius
 from lpcompare.uniform.neighborhoods import Neighborhoods
 
-_LAST_SHARE = 0.2
+_FIRST_SHARE = 0.12
+_LAST_SHARE = 0.024
 _LOOK_AHEAD = 4
-_RING = 5
+_PARTNERS = 500
+_RING = 8
+_DENSITY_PRICE = 3.0
+"""What one cell's worth of error a swap may cost that brings a density back by one point's share."""
 
 
-def refine(
-    points: Points,
-    indices: Indices,
-    *,
-    n_rounds: int = 12,
-    exchange_share: float = 0.06,
-    hole_limit: float = 1.7,
-    band: DensityBand | None = None,
-) -> Indices:
-    """Exchange points of a subset so that the eq. 27 error falls and no hole opens.
+@dataclass(frozen=True)
+class Emphasis:
+    """What swaps look at.
+
+    Attributes
+    ----------
+    hole_limit : float
+        Largest distance of an original to the reduced cloud, in units of the radius of a Poisson disk sampling
+        of as many points, which is about its Hausdorff distance.
+    triangle_share : float
+        Share of the distance to triangles in the error; the rest is eq. 27.
+    """
+
+    hole_limit: float
+    triangle_share: float
+
+
+EMPHASES = {
+    "balanced": Emphasis(hole_limit=1.28, triangle_share=0.3),
+    "error": Emphasis(hole_limit=1.8, triangle_share=0.0),
+    "coverage": Emphasis(hole_limit=1.1, triangle_share=0.3),
+}
+
+
+def refine(points: Points, indices: Indices, *, n_rounds: int = 6, emphasis: str = "balanced") -> Indices:
+    """Improve any subset of a cloud by swaps, without regard to clusters.
 
     Parameters
     ----------
@@ -42,12 +69,54 @@ def refine(
     indices : ndarray of int, shape (m,)
         The rows kept, distinct.
     n_rounds : int
-        Rounds of exchange; 0 changes nothing.
-    exchange_share : float
-        Share of the kept points that the first round may exchange; the last round exchanges a fifth of it.
-    hole_limit : float
-        Largest distance of an original to the reduced cloud, as a multiple of the root mean square radius of
-        the cells of the subset. 1.05 to 1.3 of these are the Hausdorff distance of a Poisson disk sampling.
+        Rounds of swaps; 0 changes nothing.
+    emphasis : str
+        One of `EMPHASES`.
+
+    Returns
+    -------
+    ndarray of int, shape (m,)
+        As `swap_points` gives it.
+
+    Raises
+    ------
+    InputError
+        A setting is out of its range, or ``indices`` are not distinct rows of ``points``.
+    """
+    chosen = EMPHASES[check_choice("emphasis", emphasis, EMPHASES)]
+    n_rounds = check_integer("n_rounds", n_rounds, 0)
+    kept = np.unique(indices).astype(np.intp)
+    if not len(kept) or len(kept) != len(indices) or kept[0] < 0 or kept[-1] >= len(points):
+        raise InputError(f"indices must be distinct rows from 0 to {len(points) - 1}, at least one of them.")
+    tree = Neighbors(normalize(points)[0])
+    rows = np.empty(len(points), dtype=np.intp)
+    rows[tree.order] = np.arange(len(points))
+    normals = estimate_surface(tree).normals
+    return np.sort(tree.order[swap_points(tree, normals, rows[kept], n_rounds=n_rounds, emphasis=chosen)])
+
+
+def swap_points(
+    tree: Neighbors,
+    normals: Points,
+    kept: Indices,
+    *,
+    n_rounds: int = 6,
+    emphasis: Emphasis = EMPHASES["balanced"],
+    band: DensityBand | None = None,
+) -> Indices:
+    """Swap points of a subset so that the error falls and no hole opens.
+
+    Parameters
+    ----------
+    tree : Neighbors
+        Of the originals; rows are those of ``tree.sorted_points``.
+    normals : ndarray, shape (n, 3)
+        Of the originals.
+    kept : ndarray of int, shape (m,)
+        The rows kept, distinct.
+    n_rounds : int
+        Rounds of swaps; 0 changes nothing.
+    emphasis : Emphasis
     band : DensityBand, optional
         Keeps the density of every cluster (eqs. 24-25).
 
@@ -56,141 +125,91 @@ def refine(
     ndarray of int, shape (m,)
         Ascending, exactly as many as given: of the selections met, the one with the fewest originals beyond
         the hole limit and, among these, the least error.
-
-    Raises
-    ------
-    InputError
-        A setting is out of its range, or ``indices`` are not distinct rows of ``points``.
     """
-    kept = _checked(points, indices, n_rounds, exchange_share, hole_limit)
-    diagonal = bounding_box_diagonal(points)
-    if diagonal == 0:
-        return kept
-    tree = Neighbors((points - bounding_box_center(points)) / diagonal)
-    rows = np.empty(len(points), dtype=np.intp)
-    rows[tree.order] = np.arange(len(points))
-    refined = swap_points(
-        tree,
-        rows[kept],
-        n_rounds=n_rounds,
-        exchange_share=exchange_share,
-        hole_limit=hole_limit,
-        band=band and band.sorted(tree.order),
-    )
-    return np.sort(tree.order[refined]).astype(np.intp)
-
-
-def swap_points(
-    tree: Neighbors,
-    kept: Indices,
-    *,
-    n_rounds: int = 12,
-    exchange_share: float = 0.06,
-    hole_limit: float = 1.7,
-    band: DensityBand | None = None,
-) -> Indices:
-    """`refine` for rows of ``tree.sorted_points``; so are the rows that it returns, and those of the band."""
     kept = np.sort(kept)
-    if len(kept) < 4 or len(kept) == len(tree.points):
+    if len(kept) < 4 or len(kept) == len(tree.points) or n_rounds == 0:
         return kept
-    state = Neighborhoods(tree, kept)
-    limit = hole_limit * _typical_radius(state)
+    state = Neighborhoods(tree, normals, kept, emphasis.triangle_share)
+    limit = emphasis.hole_limit * disk_radius(tree.sorted_points, len(kept))
     band = band or DensityBand(np.zeros(len(tree.points), dtype=np.intp), np.ones(len(tree.points)))
     best, best_rank = kept, state.rank(limit)
-    for n_swaps in _schedule(len(kept), n_rounds, exchange_share):
-        dropped, added = _choose(state, limit, band, n_swaps)
-        if not len(added):
+    for share in np.linspace(_FIRST_SHARE, _LAST_SHARE, n_rounds):
+        if not _swap_once(state, limit, band, max(int(share * len(kept)), 1)):
             break
-        state.swap(dropped, added)
         best, best_rank = min((best, best_rank), (state.kept, state.rank(limit)), key=lambda pair: pair[1])
     return best
 
 
-def _checked(
-    points: Points, indices: Indices, n_rounds: int, exchange_share: float, hole_limit: float
-) -> Indices:
-    kept = np.unique(indices)
-    if not len(kept) or len(kept) != len(indices) or kept[0] < 0 or kept[-1] >= len(points):
-        raise InputError(f"indices must be distinct rows from 0 to {len(points) - 1}, at least one of them.")
-    if n_rounds < 0:
-        raise InputError(f"n_rounds is {n_rounds}; it must be 0 or more.")
-    if not 0 < exchange_share <= 0.5:
-        raise InputError(f"exchange_share is {exchange_share}; it must be above 0 and at most 0.5.")
-    if not hole_limit > 0:
-        raise InputError(f"hole_limit is {hole_limit}; it must be above 0.")
-    return kept.astype(np.intp)
+def _swap_once(state: Neighborhoods, limit: float, band: DensityBand, n_swaps: int) -> bool:
+    """Try one round and take back what did not pay; whether anything was tried."""
+    band.start(state.kept)
+    price = _DENSITY_PRICE * float(state.errors.mean()) * len(state.errors) / len(state.kept)
+    dropped, added = _candidates(state, limit, price * band.pull(), n_swaps)
+    if not len(added) or not len(dropped):
+        return False
+    before, holes = state.errors, state.gaps[added, 0] > limit
+    state.swap(dropped, added)
+    costs, gains = _effects(state, before, dropped, added)
+    gains[holes] = np.inf
+    pull = price * band.pull()
+    drop_order = np.argsort(costs - pull[dropped], kind="stable")
+    add_order = np.argsort(pull[added] - gains, kind="stable")
+    dropped, added, costs, gains = dropped[drop_order], added[add_order], costs[drop_order], gains[add_order]
+    most, least = gains - pull[added], costs - pull[dropped]
+    stay_out, stay_in = pair_up(dropped, costs, least, added, gains, most, price, *band.arrays)
+    state.swap(added[~stay_in], dropped[~stay_out])
+    return True
 
 
-def _schedule(n_kept: int, n_rounds: int, share: float) -> list[int]:
-    """Exchanges allowed in each round, falling linearly."""
-    shares = np.linspace(share, _LAST_SHARE * share, n_rounds)
-    return np.maximum(shares * n_kept, 1).astype(int).tolist()
+def _effects(state: Neighborhoods, before: Vector, dropped: Indices, added: Indices) -> tuple[Vector, Vector]:
+    """Error that each drop cost and each addition gained: every original counts for its nearest candidate."""
+    points = state.points
+    candidates = np.concatenate([dropped, added])
+    changes = state.errors - before
+    rows = np.flatnonzero(changes)
+    nearest = Neighbors(points[candidates]).query(points[rows], 1)[1][:, 0]
+    totals = np.bincount(nearest, changes[rows], len(candidates))
+    return totals[: len(dropped)], -totals[len(dropped) :]
 
 
-def _typical_radius(state: Neighborhoods) -> float:
-    """Root mean square radius of the cells that hold more than their kept point."""
-    radii = np.zeros(len(state.kept))
-    np.maximum.at(radii, state.owners, state.gaps[:, 0])
-    radii = radii[radii > 0]
-    return float(np.sqrt(np.mean(radii**2))) if len(radii) else 0.0
-
-
-def _choose(state: Neighborhoods, limit: float, band: DensityBand, n_swaps: int) -> tuple[Indices, Indices]:
-    """The rows to drop and the rows to take, equally many, at most ``n_swaps``."""
+def _candidates(state: Neighborhoods, limit: float, pull: Vector, n_wanted: int) -> tuple[Indices, Indices]:
+    """Rows to drop and rows to take on trial, each up to ``n_wanted`` (holes: all), none beside another."""
     owners = state.owners
     mass = np.bincount(owners, weights=state.errors, minlength=len(state.kept))
-    band.start(state.kept)
-    dropped, blocked = _drops(state, limit, band, n_swaps, owners, mass)
-    added = _additions(state, limit, band, len(dropped), owners, mass, blocked)
-    return state.kept[dropped[: len(added)]], added
-
-
-def _drops(
-    state: Neighborhoods, limit: float, band: DensityBand, n_wanted: int, owners: Indices, mass: Vector
-) -> tuple[Indices, Mask]:
-    """Positions of kept points with little error that can go, and a mask of these and their neighbours."""
     reach = np.zeros(len(mass))
     np.maximum.at(reach, owners, state.gaps[:, 1])
     spare = np.flatnonzero(reach <= limit)
-    ranking = np.lexsort((mass[spare], ~band.wants(state.kept[spare], -1)))
-    order = spare[ranking[: _LOOK_AHEAD * n_wanted]]
     blocked = np.zeros(len(mass), dtype=np.bool_)
-    rings = state.rings(order, _RING)
-    return _take_out(order, state.kept, rings, blocked, band.arrays, n_wanted), blocked
+    worth = mass - pull[state.kept]
+    order = spare[np.argsort(worth[spare], kind="stable")[: _LOOK_AHEAD * n_wanted]]
+    never = np.zeros(len(order), dtype=np.bool_)
+    dropped = state.kept[
+        order[_apart(order, state.rings(state.kept[order], _RING), never, blocked, n_wanted)]
+    ]
+    worst = _worst_of_each_cell(owners, state.gaps, state.errors, limit, state.errors.max(), len(mass))
+    holes = state.gaps[worst, 0] > limit
+    depth = np.where(holes, state.gaps[worst, 0], 0.0)
+    order = np.lexsort((pull[worst] - mass[owners[worst]], -depth))[
+        : max(_LOOK_AHEAD * n_wanted, np.count_nonzero(holes))
+    ]
+    rows = worst[order]
+    added = _apart(owners[rows], state.rings(rows, _RING), holes[order], blocked, n_wanted)
+    return dropped, rows[added]
 
 
 @njit(cache=True, nogil=True)
-def _take_out(order, kept, rings, blocked, band, n_wanted):
-    """The first positions of ``order`` that are no neighbours of one another and that the density spares."""
-    dropped = np.empty(n_wanted, np.int64)
+def _apart(cells, rings, forced, blocked, n_wanted):
+    """Numbers of the first candidates whose cells are not blocked; each blocks the cells around it."""
+    chosen = np.empty(len(cells), np.int64)
     count = 0
-    for i in range(len(order)):
-        position = order[i]
-        if count == n_wanted:
-            break
-        if blocked[position] or not bears(band, kept[position], -1, False):
+    for i in range(len(cells)):
+        if not forced[i] and (count >= n_wanted or blocked[cells[i]]):
             continue
-        dropped[count] = position
+        chosen[count] = i
         count += 1
         for neighbor in rings[i]:
             blocked[neighbor] = True
-    return dropped[:count]
-
-
-def _additions(
-    state: Neighborhoods,
-    limit: float,
-    band: DensityBand,
-    n_wanted: int,
-    owners: Indices,
-    mass: Vector,
-    blocked: Mask,
-) -> Indices:
-    """Rows to take: holes first, then the worst original of each of the cells with the most error."""
-    worst = _worst_of_each_cell(owners, state.gaps, state.errors, limit, state.errors.max(), len(mass))
-    depth = np.where(state.gaps[worst, 0] > limit, state.gaps[worst, 0], 0.0)
-    order = worst[np.lexsort((-mass[owners[worst]], ~band.wants(worst, 1), -depth))[: _LOOK_AHEAD * n_wanted]]
-    return _take_in(order, owners[order], state.gaps[order, 0] > limit, blocked, band.arrays, n_wanted)
+    return chosen[:count]
 
 
 @njit(cache=True, nogil=True)
@@ -206,14 +225,51 @@ def _worst_of_each_cell(owners, gaps, errors, limit, above, n_cells):
 
 
 @njit(cache=True, nogil=True)
-def _take_in(order, cells, holes, blocked, band, n_wanted):
-    """The first rows of ``order`` that close a hole, or that neither cell nor density forbids."""
-    added = np.empty(n_wanted, np.int64)
-    count = 0
-    for i in range(len(order)):
-        if count == n_wanted:
-            break
-        if (holes[i] or not blocked[cells[i]]) and bears(band, order[i], 1, holes[i]):
-            added[count] = order[i]
-            count += 1
-    return added[:count]
+def pair_up(dropped, costs, least, added, gains, most, price, labels, shares, counts, sums, tolerance):
+    """Which drops and which additions stay, equally many.
+
+    Each addition, the best first, is paired with the first drop that makes a swap that pays: it gains more than
+    it costs, where ``price`` is paid for each point's share by which a density comes back to its band, and no
+    density leaves its band or goes farther from it. ``most`` and ``least`` are the gain and the cost at best,
+    in whose order the candidates are. A gain of infinity, which closes a hole, always finds a drop.
+    """
+    stay_out, stay_in = np.zeros(len(dropped), np.bool_), np.zeros(len(added), np.bool_)
+    first = 0
+    for i in range(len(added)):
+        while first < len(dropped) and stay_out[first]:
+            first += 1
+        partner = first if gains[i] == np.inf and first < len(dropped) else -1
+        for j in range(first, min(first + _PARTNERS, len(dropped))):
+            if least[j] >= most[i]:
+                break
+            if not stay_out[j]:
+                borne, back = _balance(labels, shares, counts, sums, tolerance, added[i], dropped[j])
+                if borne and gains[i] - costs[j] + price * back > 0:
+                    partner = j
+                    break
+        if partner >= 0:
+            stay_in[i] = stay_out[partner] = True
+            for row, change in ((added[i], 1), (dropped[partner], -1)):
+                counts[labels[row]] += change
+                sums[labels[row]] += change * shares[row]
+    return stay_out, stay_in
+
+
+@njit(cache=True, nogil=True)
+def _balance(labels, shares, counts, sums, tolerance, added, dropped):
+    """Whether the densities bear a swap, and by how much they come back to their bands, in points' shares."""
+    to, out_of = labels[added], labels[dropped]
+    if to == out_of:
+        change = shares[added] - shares[dropped]
+        return _cluster_balance(sums[to], counts[to], change, 0, tolerance)
+    borne, back = _cluster_balance(sums[to], counts[to], shares[added], 1, tolerance)
+    also_borne, rest = _cluster_balance(sums[out_of], counts[out_of], -shares[dropped], -1, tolerance)
+    return borne and also_borne, back + rest
+
+
+@njit(cache=True, nogil=True)
+def _cluster_balance(total, count, change, points, tolerance):
+    """`_balance` of one cluster, whose sum changes by ``change`` and whose count by ``points``."""
+    before = max(deviation(total, count) - tolerance, 0.0) * count
+    after = max(deviation(total + change, count + points) - tolerance, 0.0) * (count + points)
+    return after == 0 or after < before, before - after

@@ -7,6 +7,9 @@ from scipy.spatial import KDTree
 from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.geometry.surface import Surface, estimate_surface
 from lpcompare.uniform.quadrics import cheapest_of_each, tangent_quadrics
+from lpcompare.uniform.rims import Rims
+
+NO_RIMS = Rims(np.empty(0, dtype=np.intp), np.empty((0, 3)), np.empty(0))
 
 
 def two_planes():
@@ -20,7 +23,7 @@ def two_planes():
 
 def test_the_minimum_lies_on_the_edge():
     points, surface = two_planes()
-    quadrics = tangent_quadrics(points, surface, np.array([[-0.1, 0.5, 0.05]]), n_shared=1)
+    quadrics = tangent_quadrics(points, surface, NO_RIMS, np.array([[-0.1, 0.5, 0.05]]))
     minimum = quadrics.minima(1e-9)[0]
     assert minimum == pytest.approx([0.0, 0.5, 0.0], abs=1e-6)
 
@@ -28,16 +31,27 @@ def test_the_minimum_lies_on_the_edge():
 def test_cost_is_the_squared_distance_to_every_plane():
     points, surface = two_planes()
     site = np.array([[0.0, 0.5, 0.0]])
-    costs = tangent_quadrics(points, surface, site, n_shared=1).costs(points, 0.0)
+    costs = tangent_quadrics(points, surface, NO_RIMS, site).costs(points, 0.0)
     assert costs == pytest.approx(400 * points[:, 0] ** 2 + 400 * points[:, 2] ** 2)
 
 
 def test_spread_adds_the_squared_distance_to_the_site():
     points, surface = two_planes()
     site = np.array([[0.0, 0.5, 0.0]])
-    quadrics = tangent_quadrics(points, surface, site, n_shared=1)
+    quadrics = tangent_quadrics(points, surface, NO_RIMS, site)
     added = quadrics.costs(points, 0.1) - quadrics.costs(points, 0.0)
     assert added == pytest.approx(0.1 * 800 * np.sum((points - site) ** 2, axis=1))
+
+
+def test_a_rim_draws_the_minimum_out_to_it():
+    """One cell of a plane that ends at x = 1: the planes leave x open, the rim settles it."""
+    x, y = np.random.default_rng(0).random((2, 400))
+    points = np.column_stack([x, y, np.zeros(400)])
+    surface = Surface(np.tile([0.0, 0, 1], (400, 1)), np.ones(400), np.zeros((400, 2)))
+    rows = np.flatnonzero(x > 0.97)
+    rims = Rims(rows, np.tile([1.0, 0, 0], (len(rows), 1)), np.ones(len(rows)))
+    minimum = tangent_quadrics(points, surface, rims, np.array([[0.5, 0.5, 0.0]])).minima(1e-9)[0]
+    assert minimum == pytest.approx([x[rows].mean(), 0.5, 0.0], abs=1e-3)
 
 
 def test_normals_of_a_plane():
@@ -52,7 +66,7 @@ def test_normals_of_a_plane():
 
 def test_coinciding_points_do_not_move():
     same = np.ones((20, 3))
-    quadrics = tangent_quadrics(same, estimate_surface(Neighbors(same)), same[:2])
+    quadrics = tangent_quadrics(same, estimate_surface(Neighbors(same)), NO_RIMS, same[:2])
     assert quadrics.minima(0.1) == pytest.approx(same[:2])
 
 

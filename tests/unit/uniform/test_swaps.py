@@ -9,10 +9,12 @@ from scipy.spatial import KDTree
 from lpcompare.errors import InputError
 from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.geometry.planes import plane_distances
+from lpcompare.geometry.surface import estimate_surface
 from lpcompare.metrics.comparison import Comparison
 from lpcompare.uniform.densities import DensityBand
+from lpcompare.uniform.disks import disk_radius
 from lpcompare.uniform.neighborhoods import SIZES, Neighborhoods
-from lpcompare.uniform.swaps import refine
+from lpcompare.uniform.swaps import EMPHASES, refine, swap_points
 
 
 def bumps(n_points=3000, seed=0):
@@ -94,8 +96,9 @@ def test_no_rounds_change_nothing():
     assert np.array_equal(refine(bumps(), rows, n_rounds=0), rows)
 
 
-def test_density_band_is_kept_by_exchanges():
-    points = bumps()
+def test_a_density_comes_back_to_its_band_and_stays_there():
+    tree = Neighbors(bumps())
+    points = tree.sorted_points
     labels = (points[:, 1] > 0.5).astype(np.intp)
     centroids = np.array([points[labels == c].mean(axis=0) for c in (0, 1)])
     costs = 1 / np.linalg.norm(points - centroids[labels], axis=1)
@@ -104,11 +107,40 @@ def test_density_band_is_kept_by_exchanges():
     def worst(kept):
         return max(abs(costs[kept[labels[kept] == c]].mean() - 1) for c in (0, 1))
 
-    rows = refine(points, random_rows(3000, 300), n_rounds=30)
-    free = refine(points, rows, n_rounds=12, exchange_share=0.2)
-    held = refine(points, rows, n_rounds=12, exchange_share=0.2, band=DensityBand(labels, costs, 0.01))
-    assert worst(held) <= max(worst(rows), 0.011)
-    assert worst(held) <= worst(free) or worst(free) < 0.011
+    normals = estimate_surface(tree).normals
+    far = np.flatnonzero(costs < 0.9)[:: len(points) // 400]
+    rows = swap_points(tree, normals, far, n_rounds=8, band=DensityBand(labels, costs, 0.01))
+    assert worst(far) > 0.1
+    assert worst(rows) < 0.011
+    free = swap_points(tree, normals, rows, n_rounds=8)
+    held = swap_points(tree, normals, rows, n_rounds=8, band=DensityBand(labels, costs, 0.01))
+    assert worst(held) < 0.011 < worst(free)
+
+
+def test_an_outlier_that_looks_urgent_does_not_stay():
+    """A point high above a plane has the largest error; keeping it would tilt the planes of its neighbours."""
+    ground = np.column_stack([np.random.default_rng(0).random((2000, 2)), np.zeros(2000)])
+    points = np.concatenate([ground, [[0.5, 0.5, 0.02]]])
+    assert 2000 not in refine(points, random_rows(2000, 200))
+
+
+def test_no_original_is_beyond_the_hole_limit():
+    points = bumps()
+    radius = disk_radius(points, 300)
+    for emphasis in ("coverage", "balanced", "error"):
+        rows = refine(points, random_rows(len(points), 300), n_rounds=15, emphasis=emphasis)
+        assert reach(points, rows) <= EMPHASES[emphasis].hole_limit * radius
+
+
+def test_the_disk_radius_gives_the_count():
+    points = np.column_stack([np.random.default_rng(0).random((20000, 2)), np.zeros(20000)])
+    radius = disk_radius(points, 500)
+    kept: list[np.ndarray] = []
+    for point in points[np.random.default_rng(1).permutation(20000)]:
+        if not kept or np.linalg.norm(np.array(kept) - point, axis=1).min() >= radius:
+            kept.append(point)
+    assert len(kept) == pytest.approx(500, rel=0.05)
+    assert disk_radius(np.zeros((5, 3)), 2) == 0.0
 
 
 @given(
@@ -122,7 +154,8 @@ def test_lists_kept_up_to_date_are_those_of_fresh_queries(seed, n_points, share,
     rng = np.random.default_rng(seed)
     tree = Neighbors(rng.normal(size=(n_points, 3)) * [1.0, 1.0, 0.1])
     points = tree.sorted_points
-    state = Neighborhoods(tree, random_rows(n_points, max(4, int(share * n_points)), seed))
+    rows = random_rows(n_points, max(4, int(share * n_points)), seed)
+    state = Neighborhoods(tree, np.tile([0.0, 0.0, 1.0], (n_points, 1)), rows, 0.0)
     for _ in range(4):
         free = np.setdiff1d(np.arange(n_points), state.kept)
         n_swaps = min(int(swapped * len(state.kept)), len(free))
@@ -144,8 +177,7 @@ def test_lists_kept_up_to_date_are_those_of_fresh_queries(seed, n_points, share,
         ([], {}, "distinct rows"),
         ([0, 3000], {}, "distinct rows"),
         ([0, 1], {"n_rounds": -1}, "n_rounds is -1"),
-        ([0, 1], {"exchange_share": 0.0}, "exchange_share is 0.0"),
-        ([0, 1], {"hole_limit": 0.0}, "hole_limit is 0.0"),
+        ([0, 1], {"emphasis": "speed"}, "speed"),
     ],
 )
 def test_what_cannot_be_worked_on_is_said(rows, settings, words):
