@@ -1,10 +1,12 @@
 """Methods that hang, abort, eat memory, print, lie: each is a row, and the other rows do not notice."""
 
-import os
+import signal
+import subprocess
+import sys
 import time
-from pathlib import Path
 
 import numpy as np
+import psutil
 import pytest
 
 from lpcompare.benchmark.record import load_run
@@ -74,17 +76,41 @@ def test_a_good_method_gives_the_same_points_as_without_them(naughty, lpcompare,
 def test_what_a_method_started_dies_with_it(lpcompare, cloud_file, tmp_path, plugin_environment):
     plugin_environment["CHILD_PID_FILE"] = str(tmp_path / "pid")
     run_methods(lpcompare, cloud_file, tmp_path / "run", ["leaves_a_child"])
-    pid = int((tmp_path / "pid").read_text())
+    assert not psutil.pid_exists(int((tmp_path / "pid").read_text()))
+    assert left(tmp_path) == []
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP, signal.SIGKILL], ids=lambda s: s.name)
+def test_after_the_end_of_lpcompare_nothing_is_left_and_the_next_start_tidies_up(
+    lpcompare, cloud_file, tmp_path, plugin_environment, number
+):
+    environment = plugin_environment | {"CHILD_PID_FILE": str(tmp_path / "pid")}
+    words = ["run", "--model", str(cloud_file), "--method", "leaves_a_child", "--out", str(tmp_path / "run")]
+    process = subprocess.Popen(
+        [sys.executable, "-m", "lpcompare.cli", *words], env=environment, stderr=subprocess.DEVNULL
+    )
+    deadline = time.monotonic() + 60
+    while not (tmp_path / "pid").exists() and time.monotonic() < deadline:
+        time.sleep(0.02)
+    time.sleep(0.2)
+    assert left(tmp_path), "they run"
+    process.send_signal(number)
+    process.wait()
     deadline = time.monotonic() + 5
-    while _is_running(pid) and time.monotonic() < deadline:
+    while left(tmp_path) and time.monotonic() < deadline:
         time.sleep(0.05)
-    assert not _is_running(pid)
+    assert left(tmp_path) == []
+    assert list((tmp_path / "run" / ".work").iterdir())
+    again = ["--method", "well_behaved", "--reduction", 0.8, "--resume", "--out", tmp_path / "run"]
+    assert lpcompare("run", "--model", cloud_file, *again).returncode == 0
+    assert not (tmp_path / "run" / ".work").exists()
 
 
-def _is_running(pid):
-    try:
-        os.kill(pid, 0)
-    except ProcessLookupError:
-        return False
-    stat = Path(f"/proc/{pid}/stat")
-    return not (stat.exists() and stat.read_text().rpartition(")")[2].split()[0] == "Z")
+def left(folder):
+    """Processes whose current folder lies in this one."""
+    found = []
+    for process in psutil.process_iter(["cwd", "status"]):
+        inside = (process.info["cwd"] or "").startswith(str(folder))
+        if inside and process.info["status"] != psutil.STATUS_ZOMBIE:
+            found.append(process.pid)
+    return found

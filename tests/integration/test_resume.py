@@ -5,6 +5,7 @@ No second process may write into its folder meanwhile, and no finished case is e
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -96,11 +97,8 @@ def test_kill_9_and_resume_equal_an_uninterrupted_run_to_the_bit(
     assert _results(whole) == _results(other)
     seconds = {_identity(r): r.runtime_s for r in whole.records}
     assert all(seconds[_identity(r)] == r.runtime_s for r in half.records), "finished cases are kept"
-    for mine, theirs in zip(whole.records, other.records, strict=True):
-        assert mine.cloud == theirs.cloud
-        if mine.cloud:
-            a, b = np.load(whole.folder / mine.cloud), np.load(other.folder / theirs.cloud)
-            assert all(np.array_equal(a[name], b[name]) for name in a)
+    assert [r.cloud for r in whole.records] == [r.cloud for r in other.records]
+    _check_clouds(whole, other)
 
 
 def test_a_finished_run_is_resumed_without_running_anything(lpcompare, words, uninterrupted):
@@ -187,7 +185,7 @@ def on_a_full_disk(plugin_environment):
 
 @pytest.mark.parametrize(
     ("more", "reason", "n_records"),
-    [(["--repeats", "30"], "File too large", 3), (["--reduction", "0.1"], "is the disk full?", 0)],
+    [(["--repeats", "30"], "File too large", 3), (["--reduction", "0.1"], "File too large", 0)],
     ids=["while a record is written", "while a child writes its result"],
 )
 def test_a_full_disk_ends_in_a_sentence_and_a_readable_run(
@@ -289,6 +287,89 @@ def test_another_cloud_of_the_same_name_is_refused(lpcompare, words, uninterrupt
     assert done.returncode == 2
     assert "another cloud called 'ball'" in done.stderr
     assert load_run(uninterrupted.folder).records == uninterrupted.records
+
+
+def _cut(lines, rng):
+    lines[-1] = lines[-1][: rng.integers(1, len(lines[-1]))]
+
+
+def _garbage(lines, rng):
+    lines.append(rng.bytes(200))
+
+
+def _nuls(lines, rng):
+    lines.append(bytes(4096))
+
+
+def _blank_lines(lines, rng):
+    lines[1:1] = [b"", b"  ", b"\r"]
+
+
+def _flipped_byte(lines, rng):
+    line = bytearray(lines[number := rng.integers(len(lines))])
+    line[rng.integers(len(line))] ^= 1 << rng.integers(8)
+    lines[number] = bytes(line)
+
+
+def _half_a_line_within(lines, rng):
+    lines.insert(0, lines[-1][:50])
+
+
+def _a_line_twice(lines, rng):
+    lines.append(lines[0])
+
+
+def _nothing(lines, rng):
+    pass
+
+
+DAMAGE = (_nothing, _cut, _garbage, _nuls, _blank_lines, _flipped_byte, _half_a_line_within, _a_line_twice)
+
+
+@pytest.fixture
+def n_moments(request):
+    return 50 if request.config.getoption("--long") else 3
+
+
+def test_kill_9_at_any_moment_and_a_damaged_file_resume_to_the_bit(
+    lpcompare, words, start, uninterrupted, tmp_path, n_moments
+):
+    rng = np.random.default_rng(14)
+    for moment in range(n_moments):
+        out, damage = tmp_path / f"run{moment}", DAMAGE[(moment + 1) % len(DAMAGE)]
+        process = start([*words, "--threads", "1"], out, n_records=1 + moment % 3)
+        time.sleep(rng.uniform(0, 1.5))
+        os.kill(process.pid, signal.SIGKILL)
+        process.communicate()
+        if (file := out / "records.jsonl").exists():  # else it was killed after its end
+            lines = file.read_bytes().split(b"\n")[:-1]
+            damage(lines, rng)
+            file.write_bytes(b"\n".join(lines) + b"\n")
+        done = lpcompare(*words, "--threads", 1, "--out", out, "--resume")
+        assert done.returncode == 0, (damage, done.stderr)
+        assert _results(load_run(out)) == _results(uninterrupted), damage
+        _check_clouds(load_run(out), uninterrupted)
+
+
+def _check_clouds(mine, theirs):
+    for a, b in zip(mine.records, theirs.records, strict=True):
+        if a.cloud:
+            one, other = np.load(mine.folder / a.cloud), np.load(theirs.folder / b.cloud)
+            assert all(np.array_equal(one[name], other[name]) for name in one)
+
+
+@pytest.mark.parametrize("spoil", ["cut", "gone"])
+def test_a_result_file_that_is_damaged_is_made_again(lpcompare, words, uninterrupted, tmp_path, spoil):
+    shutil.copytree(uninterrupted.folder, tmp_path / "run")
+    victim = next(r for r in uninterrupted.records if r.cloud)
+    path = tmp_path / "run" / victim.cloud
+    path.write_bytes(path.read_bytes()[:-9]) if spoil == "cut" else path.unlink()
+    done = lpcompare(*words, "--threads", 1, "--out", tmp_path / "run", "--resume")
+    assert done.returncode == 0, done.stderr
+    run = load_run(tmp_path / "run")
+    again = [a for a, b in zip(run.records, uninterrupted.records, strict=True) if a.runtime_s != b.runtime_s]
+    assert [_identity(r) for r in again] == [_identity(victim)]
+    _check_clouds(run, uninterrupted)
 
 
 def test_a_line_cut_short_is_left_out(uninterrupted, tmp_path):

@@ -66,7 +66,7 @@ class Answer(msgspec.Struct, frozen=True):
     finished : bool
         True in the last answer.
     trouble : str
-        ``input`` where a cloud on disk is not the right one, ``output`` where the result cannot be written,
+        ``input`` where a cloud on disk is not the right one, ``output`` where the result was not written,
         ``settings`` where the method refuses what was chosen.
     """
 

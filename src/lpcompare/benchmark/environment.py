@@ -19,16 +19,17 @@ from lpcompare.children import Children, thread_environment
 from lpcompare.registry import METHODS
 from lpcompare.types import Traits
 
-_ALWAYS = (
+_ALWAYS = [
     "lpcompare",
     "numpy",
     "scipy",
     "scikit-learn",
     "cvxpy",
     "highspy",
+    "numba",
     "pymeshlab",
     "fast-simplification",
-)
+]
 
 
 def capture(methods: Iterable[str], threads: int) -> dict[str, Any]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import msgspec
@@ -123,8 +123,8 @@ class Plan:
 
     def to_dict(self) -> dict[str, Any]:
         """The plan as JSON-ready values."""
-        plan = msgspec.to_builtins(self, enc_hook=repr)
-        return plan | {"models": [printable(name) for name in self.models]}
+        named = replace(self, models=tuple(map(printable, self.models)))
+        return msgspec.json.decode(msgspec.json.encode(named, enc_hook=repr))
 
     def check(self) -> None:
         """Refuse a plan that cannot be run.

@@ -209,41 +209,21 @@ class Run:
         return medians.to_html(float_format="{:.4g}".format)
 
 
-_FIELDS = tuple(f.name for f in fields(Record))
-
-_COLUMN_TYPES = {
-    "model": "str",
-    "perturbation": "str",
-    "perturbation_level": "float64",
-    "method": "str",
-    "variant": "str",
-    "refined": "bool",
-    "reduction": "float64",
-    "n_input": "int64",
-    "target_count": "int64",
-    "n_output": "Int64",
-    "seed": "int64",
-    "repeat": "int64",
-    "status": "str",
-    "message": "str",
-    "runtime_s": "float64",
-    "calibration_s": "float64",
-    "cpu_s": "float64",
-    "reference_s": "float64",
-    "reference_cpu_s": "float64",
-    "foreign_load": "float64",
-    "peak_memory_mib": "float64",
-    "subset": "boolean",
-    "needs_mesh": "boolean",
-    "settings": "object",
-    "info": "object",
-    "points_sha256": "str",
-    "key": "str",
-    "cloud": "str",
-    "cloud_sha256": "str",
-    "input": "str",
-    "label": "str",
+_TYPES = {
+    "Name": "str",
+    "str": "str",
+    "Status": "str",
+    "CloudFile": "str",
+    "float": "float64",
+    "float | None": "float64",
+    "Count": "int64",
+    "Count | None": "Int64",
+    "bool": "bool",
+    "bool | None": "boolean",
+    "Facts": "object",
 }
+_COLUMNS = {f.name: _TYPES[str(f.type)] for f in fields(Record) if f.name not in _NESTED}
+_COLUMNS |= {"input": "str", "label": "str"}
 """The columns that every frame has; those of metrics and stages follow."""
 
 
@@ -253,13 +233,13 @@ def frame_of(records: Iterable[Record]) -> DataFrame:
 
     rows = [_row(record) for record in records]
     names = dict.fromkeys(name for row in rows for name in row)
-    columns = [*_COLUMN_TYPES, *(name for name in names if name not in _COLUMN_TYPES)]
-    return pd.DataFrame(rows, columns=columns).astype(_COLUMN_TYPES)
+    columns = [*_COLUMNS, *(name for name in names if name not in _COLUMNS)]
+    return pd.DataFrame(rows, columns=columns).astype(_COLUMNS)
 
 
 def _row(record: Record) -> dict[str, Any]:
     done = "" if record.perturbation == "none" else f" + {record.perturbation} {record.perturbation_level:g}"
-    own = {name: getattr(record, name) for name in _FIELDS if name not in _NESTED}
+    own = {name: value for name, value in vars(record).items() if name not in _NESTED}
     own |= {"input": record.model + done, "label": record.variant + " + swaps" * record.refined}
     return {**record.metrics, **{f"time_{stage}_s": s for stage, s in record.timings.items()}, **own}
 

@@ -73,18 +73,20 @@ def reusable(run: Run, plan: Plan) -> dict[str, Record]:
     return {r.key: r for r in run.records if r.key and (alike or r.status not in ("failed", "timeout"))}
 
 
-def case_key(method: str, metrics: Iterable[str], facts: Mapping[str, Any]) -> str:
-    """SHA-256 over the method's code, the metrics' code and the facts of the case.
+def case_key(blank: Record, facts: list[Any], metrics: Iterable[str]) -> str:
+    """SHA-256 over all that decides the result of a case.
 
     Parameters
     ----------
-    method : str
+    blank : Record
+        The case, not yet run.
+    facts : list
+        What else does: digests of the clouds, conditions of the run, versions of packages.
     metrics : iterable of str
-    facts : mapping
-        Input digests, settings, count, seed, repeat, versions.
+        Their code counts, as the method's does.
     """
-    code = [method_digest(method), *(_digest([METRICS.source(name)]) for name in metrics)]
-    return _digest([msgspec.json.encode([code, dict(facts)], enc_hook=repr, order="deterministic")])
+    code = [method_digest(blank.method), *(_digest([METRICS.source(name)]) for name in metrics)]
+    return _digest([msgspec.json.encode([code, blank, facts], enc_hook=repr, order="deterministic")])
 
 
 @cache

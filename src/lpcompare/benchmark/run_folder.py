@@ -149,6 +149,15 @@ class RunFolder:
             os.replace(result, self.clouds / f"{name}.npz")
         return replace(record, cloud=f"clouds/{name}.npz")
 
+    def check_room(self, n_bytes: int) -> None:
+        """Refuse to go on where this process cannot write either what a child could not; raises `InputError`."""
+        probe = self.scratch / "room"
+        with writing(self.scratch, CONTINUE):
+            try:
+                probe.write_bytes(bytes(n_bytes))
+            finally:
+                probe.unlink(missing_ok=True)
+
     def has_result(self, record: Record) -> bool:
         """Whether the file that a record names is there, and undamaged."""
         path = self.path / record.cloud

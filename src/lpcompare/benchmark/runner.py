@@ -32,7 +32,6 @@ class Listener(Protocol):
 
     def __call__(self, case: Case, record: Record | None, *, reused: bool = False) -> None:
         """Take note."""
-        ...
 
 
 def silent(case: Case, record: Record | None, *, reused: bool = False) -> None:
@@ -42,22 +41,14 @@ def silent(case: Case, record: Record | None, *, reused: bool = False) -> None:
 def run(
     models: Sequence[str | PointCloud | Points],
     methods: Sequence[str] | None = None,
-    reductions: Sequence[float] = Plan.reductions,
     *,
-    seeds: Sequence[int] = Plan.seeds,
-    repeats: int = Plan.repeats,
-    metrics: Sequence[str] = (),
-    settings: Mapping[str, Mapping[str, Any]] | None = None,
-    perturbations: Mapping[str, Sequence[float]] | None = None,
-    protocol: str = Plan.protocol,
-    refine: bool = Plan.refine,
-    time_limit_s: float = Plan.time_limit_s,
-    memory_limit_mib: int | None = None,
-    threads: int | None = None,
-    jobs: int = Plan.jobs,
     out: str | Path | None = None,
     resume: bool = False,
     listener: Listener = silent,
+    memory_limit_mib: int | None = None,
+    threads: int | None = None,
+    jobs: int = Plan.jobs,
+    **study: Any,
 ) -> Run:
     """Compare methods on the same clouds at equal counts, each case in a process of its own.
 
@@ -67,35 +58,25 @@ def run(
         Names that `lpcompare.models` lists, files, or clouds; a cloud without a name is called ``cloud``.
     methods : sequence of str, optional
         Registered methods. Default: all that are installed.
-    reductions : sequence of float
-        Shares of the points to remove, each from 0 to below 1.
-    seeds : sequence of int
-    repeats : int
-        Runs of each case, interleaved over the methods.
-    metrics : sequence of str
-        Slow metrics beside the quick ones, or ``all``.
-    settings : mapping of str to mapping, optional
-        Settings per method; a list of values is a grid, one variant per value.
-    perturbations : mapping of str to sequence of float, optional
-        Levels of ``noise``, ``outliers``, ``uneven`` or ``missing`` to run beside the clean cloud.
-    protocol : {"equal-count", "as-printed"}
-        Whether every method is asked for the same count, or for the count that the paper's method reached.
-    refine : bool
-        Improve every result that is a subset by swaps.
-    time_limit_s : float
-        Seconds of a case.
-    memory_limit_mib : int, optional
-        Memory of a case in MiB. Default: three quarters of the machine's.
-    threads : int, optional
-        Threads of a case. Default: all processors.
-    jobs : int
-        Cases at the same time; above 1 the runtimes are unreliable.
     out : str or Path, optional
         Folder of the run. Default: a temporary one, which lives as long as the run that is returned.
     resume : bool
         Continue the run in ``out``; finished cases are kept.
     listener : callable, optional
         Called with (case, None) before and (case, record, reused=...) after each case.
+    memory_limit_mib : int, optional
+        Memory of a case in MiB. Default: three quarters of the machine's.
+    threads : int, optional
+        Threads of a case. Default: all processors.
+    jobs : int
+        Cases at the same time; above 1 the runtimes are unreliable.
+    **study
+        Fields of `lpcompare.benchmark.study.Study`: ``reductions`` (shares to remove, 0.7, 0.8 and 0.9 by
+        default), ``seeds``, ``repeats`` (interleaved over the methods), ``metrics`` (slow ones beside the
+        quick ones, or ``all``), ``settings`` (per method; a list of values is a grid), ``perturbations``
+        (levels of ``noise``, ``outliers``, ``uneven``, ``missing`` beside the clean cloud), ``protocol``
+        (``equal-count``, or ``as-printed``: all are asked for the count that the paper's method reached),
+        ``refine`` (improve subsets by swaps), ``time_limit_s`` (of a case, 300 by default), ``title``.
 
     Returns
     -------
@@ -117,27 +98,15 @@ def run(
 
     Examples
     --------
-    >>> done = run(["cube"], ["random_sample", "voxel_nearest"], [0.9])
+    >>> done = run(["cube"], ["random_sample", "voxel_nearest"], reductions=[0.9])
     >>> done.frame.groupby("label").n_output.median().to_dict()
     {'random_sample': 960.0, 'voxel_nearest': 960.0}
     """
     clouds = load_models(models)
-    levels = {kind: list(steps) for kind, steps in (perturbations or {}).items()}
-    fields = {
-        "models": list(clouds),
-        "methods": list(methods or []),
-        "reductions": list(reductions),
-        "seeds": list(seeds),
-        "repeats": repeats,
-        "metrics": list(metrics),
-        "settings": {name: dict(chosen) for name, chosen in (settings or {}).items()},
-        "perturbations": levels,
-        "protocol": protocol,
-        "refine": refine,
-        "time_limit_s": time_limit_s,
-    }
-    study = check_study(fields, "run")
-    plan = build_plan(study, memory_limit_mib=memory_limit_mib, threads=threads, jobs=jobs)
+    fields: dict[str, Any] = {"models": list(clouds), **study} | ({"methods": methods} if methods else {})
+    plain = {name: value.tolist() if hasattr(value, "tolist") else value for name, value in fields.items()}
+    checked = check_study(plain, "run")
+    plan = build_plan(checked, memory_limit_mib=memory_limit_mib, threads=threads, jobs=jobs)
     if out is not None:
         return run_plan(plan, clouds, Path(out), resume=resume, listener=listener)
     life = ExitStack()
@@ -349,24 +318,10 @@ class _Runner:
             perturbation_level=case.perturbation.level,
             settings=case.variant.settings,
         )
-        return replace(record, key=self._key(case, record))
-
-    def _key(self, case: Case, record: Record) -> str:
-        facts = {
-            "input": self._input(case).sha256,
-            "clean": self._clean(case).sha256,
-            "model": record.model,
-            "settings": dict(record.settings),
-            "reduction": record.reduction,
-            "target_count": record.target_count,
-            "seed": record.seed,
-            "repeat": record.repeat,
-            "metrics": self.plan.metrics,
-            "refine": self.plan.refine,
-            "threads": self.plan.threads,
-            "packages": self.versions[record.method],
-        }
-        return case_key(record.method, self.plan.metrics, facts)
+        conditions = [self.plan.metrics, self.plan.refine, self.plan.threads]
+        clouds = [self._input(case).sha256, self._clean(case).sha256]
+        key = case_key(record, [*clouds, *conditions, self.versions[record.method]], self.plan.metrics)
+        return replace(record, key=key)
 
     def _compute(self, case: Case, blank: Record) -> Record:
         missing = METHODS.missing(blank.method)
@@ -380,7 +335,7 @@ class _Runner:
             answer = self._answer(case, self._request(case, blank, result), folder)
             record = answer.record
             if answer.trouble == "output":
-                raise InputError(record.message)
+                self.store.check_room(12 * record.n_input + 32 * (record.n_output or 0))
             if result is None or not result.exists() or not record.cloud_sha256:
                 return record
             return self.store.keep_result(result, record, _cloud_name(case, record))

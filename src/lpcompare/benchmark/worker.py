@@ -94,16 +94,13 @@ def main() -> None:
         reply.end("failed", str(error), error.kind)
     except (NotApplicable, Unavailable) as error:
         reply.end("skipped", _text(error))
-    except MemoryError as error:
-        reply.end("failed", f"Out of memory: {_text(error)}.")
-    except MethodError as error:
-        reply.end("failed", _text(error).removeprefix(f"{request.record.method}: "))
     except LpcompareError as error:
-        reply.end("failed", _text(error))
+        reply.end("failed", _text(error).removeprefix(f"{request.record.method}: "))
     except BaseException as error:
         with suppress(Exception):
             traceback.print_exc(limit=20)
-        reply.end("failed", f"{type(error).__name__}: {_text(error)}.")
+        kind = "Out of memory" if isinstance(error, MemoryError) else type(error).__name__
+        reply.end("failed", f"{kind}: {_text(error)}.")
 
 
 def _try_settings(request: Request, reply: Reply) -> None:
@@ -219,7 +216,7 @@ def _keep(path: Path, result: Simplification, arrays: dict[str, np.ndarray], rep
     try:
         save_arrays(path, arrays)
     except InputError as error:
-        raise Trouble("output", str(error)) from error
+        raise Trouble("output", f"The process could not write its result: {error}") from error
     reply.note(cloud_sha256=file_digest(path))
 
 
