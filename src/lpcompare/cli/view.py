@@ -23,8 +23,18 @@ def command(
         Path | None, typer.Option(help="The page to write. Default: in the temporary folder.")
     ] = None,
     browser: Annotated[bool, typer.Option(help="Open the page, where there is a screen.")] = True,
+    serve: Annotated[
+        bool, typer.Option("--serve", help="Serve the page of a run; clouds are sent when they are shown.")
+    ] = False,
+    port: Annotated[int, typer.Option(help="Port of --serve. Default: any that is free.")] = 0,
 ) -> None:
-    """Show a point cloud or a run in the browser, or say where its page is."""
+    """Show a point cloud or a run in the browser, or say where its page is.
+
+    Examples: lpcompare view scan.laz | lpcompare view reports/local/bunny --serve
+    """
+    if serve:
+        _serve(target, port, browser=browser)
+        return
     page = _write_page(target, out)
     shown = browser and _has_screen() and webbrowser.open(page.resolve().as_uri())
     typer.echo(f"{'Opened' if shown else 'The page is'} {page}")
@@ -36,9 +46,32 @@ def _write_page(target: str, out: Path | None) -> Path:
 
     path = Path(target)
     out = out or Path(tempfile.mkdtemp(prefix="lpcompare-")) / f"{path.stem}.html"
-    if path.name == RUN_FILE or (path / RUN_FILE).is_file():
+    if _is_run(path):
         return write_page(path, out)
     return write_view(load_model(target), out)
+
+
+def _serve(target: str, port: int, *, browser: bool) -> None:
+    """Serve until the user stops it."""
+    from lpcompare.benchmark.record import load_run
+    from lpcompare.errors import InputError
+    from lpcompare.report.serve import HOST, make_server
+
+    if not _is_run(Path(target)):
+        raise InputError(f"{target} is not the folder of a run; --serve shows runs, a file needs no server.")
+    with make_server(load_run(target), port=port) as server:
+        address = f"http://{HOST}:{server.server_port}/"
+        typer.echo(f"The page is {address} until you stop this command (Ctrl-C).")
+        if browser and _has_screen():
+            webbrowser.open(address)
+        try:
+            server.serve_forever()
+        except KeyboardInterrupt:
+            typer.echo("")
+
+
+def _is_run(path: Path) -> bool:
+    return path.name == RUN_FILE or (path / RUN_FILE).is_file()
 
 
 def _has_screen() -> bool:

@@ -51,7 +51,7 @@ _FIELDS = {
 }  # fmt: skip
 """What a frame or a table of cells holds beside the numbers that a report shows."""
 
-_FIRST = ["model", "perturbation", "n_input", "target_count", "subset", "needs_mesh", "settings"]
+_FIRST = ["model", "method", "perturbation", "n_input", "target_count", "subset", "needs_mesh", "settings"]
 
 
 def columns(table: pd.DataFrame) -> dict[str, Column]:

@@ -6,19 +6,12 @@ from collections.abc import Iterable, Mapping
 from dataclasses import asdict
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
-from lpcompare.report.cells import (  # fmt: skip
-    COSTS,
-    ERROR,
-    LEVELS,
-    RUNTIME,
-    axis_title,
-    pareto_front,
-    perturbation_curves,
-    stage_name,
-)
-from lpcompare.report.styles import method_styles, stage_styles
+from lpcompare.registry import METHODS
+from lpcompare.report.cells import LEVELS, axis_title, perturbation_curves, stage_name
+from lpcompare.report.styles import CLUSTER_COLORS, method_styles, stage_styles
 from lpcompare.types import Column
 
 
@@ -37,23 +30,43 @@ def collect_charts(table: pd.DataFrame, known: Mapping[str, Column], reference: 
     Returns
     -------
     dict
-        JSON-ready: ``cells`` with median, low and high of each column, ``fronts`` by model, column and
-        reduction, ``methods`` and, in the order of the work, ``stages`` with their colours, ``headings``,
-        ``measures`` to choose from.
+        JSON-ready: ``cells`` with median, low and high of each column, ``methods`` with their looks, family and
+        source, ``stages`` in the order of the work with their colours, ``headings``, ``models``, and the
+        ``reference``.
     """
     good = table[table.n_ok > 0]
     stages = [key for key in good if stage_name(key) and good[key].notna().any()]
-    measures = [key for key, column in known.items() if key not in COSTS and not column.alias]
+    names = table.drop_duplicates("label").set_index("label").method
     return {
         "reference": reference,
-        "headings": {key: {**asdict(c), "key": key, "label": axis_title(c)} for key, c in known.items()},
-        "measures": measures,
-        "methods": {method: asdict(style) for method, style in method_styles(table.label.unique()).items()},
+        "headings": {key: {**asdict(c), "label": axis_title(c)} for key, c in known.items()},
+        "methods": {m: asdict(look) | _facts(names[m]) for m, look in method_styles(names.index).items()},
         "stages": [[name, asdict(s)] for name, s in stage_styles(map(stage_name, stages)).items()],
         "models": list(good.input.unique()),
-        "reductions": sorted(good.reduction.unique()),
         "cells": [_entry(cell, known, stages) for cell in good.to_dict("records")],
-        "fronts": {m: _fronts(group, known, measures) for m, group in good.groupby("input", sort=False)},
+    }
+
+
+def palettes() -> dict[str, list[list[int]]]:
+    """The colour maps of the 3D views, red, green and blue from 0 to 255."""
+    from matplotlib import colormaps
+    from matplotlib.colors import to_rgb
+
+    maps = {name: colormaps[name](np.arange(256))[:, :3] for name in ("viridis", "cividis")}
+    maps["clusters"] = np.array([to_rgb(color) for color in CLUSTER_COLORS])
+    return {name: (255 * colors).round().astype(int).tolist() for name, colors in maps.items()}
+
+
+def _facts(method: str) -> dict[str, str]:
+    """Family and BibTeX entry of a method; empty for one that is not installed any more."""
+    if method not in METHODS:
+        return {"family": "", "bibtex": ""}
+    traits = METHODS.traits(method)
+    note = traits.source.replace("{", "(").replace("}", ")")
+    bibtex = f"@misc{{{method},\n  title = {{{METHODS.summary(method)}}},\n  note = {{{note}}},\n"
+    return {
+        "family": traits.family,
+        "bibtex": f"{bibtex}  howpublished = {{{traits.wraps}}}\n}}\n" if note else "",
     }
 
 
@@ -91,20 +104,6 @@ def _entry(cell: Mapping[str, Any], known: Iterable[str], stages: Iterable[str])
         "reduction": cell["reduction"],
         "values": {key: span for key, span in spans.items() if span[0] == span[0]},
         "timings": {stage_name(key): _short(cell[key]) for key in stages if cell[key] == cell[key]},
-    }
-
-
-def _fronts(
-    group: pd.DataFrame, known: Mapping[str, Column], measures: Iterable[str]
-) -> dict[str, dict[str, list[str]]]:
-    """Column -> reduction -> the methods on the front of runtime against that column."""
-    return {
-        key: {
-            f"{r:g}": list(pareto_front(part, RUNTIME, key).label)
-            for r, part in group[["label", "reduction", RUNTIME, key]].groupby("reduction", sort=False)
-        }
-        for key in measures
-        if key == ERROR or known[key].better == "lower"
     }
 
 

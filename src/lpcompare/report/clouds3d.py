@@ -1,6 +1,6 @@
 """The data of the 3D views: clouds, errors and marks of every result, small enough to sit in the page.
 
-Arrays become base64 text; assets/decode.js is the counterpart. Coordinates and values become 16-bit steps of
+Arrays become base64 text; assets/data.js is the counterpart. Coordinates and values become 16-bit steps of
 their range, which is finer than a screen shows; a mask becomes one bit per point.
 """
 
@@ -23,18 +23,21 @@ from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.geometry.scale import bounding_box_diagonal
 from lpcompare.io.arrays import load_arrays
 from lpcompare.report.cells import ERROR
-from lpcompare.report.projections import brightness, local_normals, scale_top, up_axis
+from lpcompare.report.projections import scale_top, up_axis
 from lpcompare.types import PointCloud, Points, Vector
 
 MOST_POINTS = 200_000
-"""Points of one view; a larger cloud is thinned for display."""
+"""Points of one view of a run; a larger cloud is thinned for display."""
+
+MOST_OF_ONE = 2_000_000
+"""Points of the view of a single cloud."""
 
 MOST_VALUES = 6_000_000
 """Errors of one page, over all results; beyond it the clouds are thinned further, to keep the page small."""
 
 _FEWEST_POINTS = 5_000
 _STEPS = 65535
-_LIGHT = np.array([0.35, 0.55, 0.75]) / np.linalg.norm([0.35, 0.55, 0.75])
+_PAPER = ("lp_printed", "lp_density")
 
 
 def kept_results(run: Run, table: pd.DataFrame) -> dict[str, tuple[Path, pd.DataFrame]]:
@@ -80,38 +83,88 @@ def error_scale(results: Sequence[Vector]) -> float:
     return float(np.median([scale_top(errors) for errors in results]))
 
 
-def collect_views(run: Run, table: pd.DataFrame) -> list[dict[str, Any]]:
-    """The views of a run: one entry per model whose clouds were kept.
+class Views:
+    """The 3D views of a run: one entry per model whose clouds were kept.
 
     Parameters
     ----------
     run : Run
     table : DataFrame
         The run's cells.
-
-    Returns
-    -------
-    list of dict
-        JSON-ready; empty when the run kept no clouds.
+    reference : str
+        The method that is shown first.
+    served : bool
+        Each result is left out and asked for by its address, as a server answers it with `result`.
 
     Raises
     ------
     InputError
         A file of the run is truncated, or does not belong to its row.
     """
-    groups = kept_results(run, table)
-    room = MOST_VALUES / max(1, sum(group.n_input.sum() for _, group in groups.values()))
-    return [_model(run.folder, load_arrays(file)["points"], group, room) for file, group in groups.values()]
+
+    def __init__(self, run: Run, table: pd.DataFrame, reference: str, *, served: bool = False) -> None:
+        self._folder, self._served = run.folder, served
+        self._groups = list(kept_results(run, table).values())
+        asked = 1 if served else max(1, sum(int(group.n_input.sum()) for _, group in self._groups))
+        self._room = 1.0 if served else MOST_VALUES / asked
+        self._displays = [self._display(load_arrays(file)["points"]) for file, _ in self._groups]
+        self._reference = reference
+
+    def entries(self) -> list[dict[str, Any]]:
+        """What the page shows, JSON-ready; empty when the run kept no clouds."""
+        return [self._model(i) for i in range(len(self._groups))]
+
+    def result(self, model: int, number: int) -> dict[str, Any]:
+        """One result with its arrays."""
+        cell, display = self._groups[model][1].iloc[number], self._displays[model]
+        arrays, errors = self._errors(model, cell)
+        return _heads(cell, arrays, errors) | _result(arrays, errors[display.rows], display)
+
+    def _display(self, points: Points) -> _Display:
+        most = MOST_POINTS if self._served else max(_FEWEST_POINTS, int(self._room * len(points)))
+        return _Display(points, _thin(len(points), min(MOST_POINTS, most)))
+
+    def _errors(self, model: int, cell: pd.Series) -> tuple[dict[str, NDArray[Any]], Vector]:
+        path = self._folder / cell.cloud
+        arrays = load_arrays(path)
+        return arrays, percent_errors(path, arrays, self._displays[model].points)
+
+    def _model(self, model: int) -> dict[str, Any]:
+        group, display = self._groups[model][1], self._displays[model]
+        scales: dict[str, list[Vector]] = {}
+        results = []
+        for number, (_, cell) in enumerate(group.iterrows()):
+            arrays, errors = self._errors(model, cell)
+            scales.setdefault(f"{cell.reduction:g}", []).append(errors)
+            found = _heads(cell, arrays, errors)
+            body = _result(arrays, errors[display.rows], display) if not self._served else {}
+            results.append(found | (body or {"src": f"result/{model}/{number}"}))
+        return _original(display, str(group.input.iloc[0])) | {
+            "results": results,
+            "scales": {reduction: error_scale(found) for reduction, found in scales.items()},
+            "defaults": default_methods(group, self._reference),
+        }
+
+
+def default_methods(group: pd.DataFrame, reference: str) -> list[str]:
+    """The methods that one wants to see first: the reference, the best subset, the paper's."""
+    best = group[group.subset.eq(True)].sort_values(["reduction", ERROR], ascending=[False, True]).label
+    paper = [label for name in _PAPER for label in group.label[group.label.eq(name)]]
+    wanted = [reference, *best[:1], *paper[:1], *group.label[:2]]
+    return [m for m in dict.fromkeys(wanted) if m in set(group.label)][:3]
 
 
 def one_cloud(cloud: PointCloud) -> dict[str, Any]:
     """The view of a single cloud, with its own colours and its scalar attributes."""
-    rows = _thin(len(cloud), MOST_POINTS)
+    rows = _thin(len(cloud), MOST_OF_ONE)
     entry = _original(_Display(cloud.points, rows), cloud.name or "cloud")
-    entry["attributes"] = {
-        name: pack_values(values[rows].astype(float))
-        for name, values in ((k, np.asarray(v)) for k, v in cloud.attributes.items())
-        if values.ndim == 1 and values.dtype.kind in "biuf" and np.isfinite(values).all()
+    values = {name: np.asarray(v) for name, v in cloud.attributes.items()}
+    scalar = {
+        n: v for n, v in values.items() if v.ndim == 1 and v.dtype.kind in "biuf" and np.isfinite(v).any()
+    }
+    fitting = list(scalar)[: max(1, MOST_VALUES // len(rows))]
+    entry["columns"] = {
+        name: pack_values(np.nan_to_num(scalar[name][rows].astype(float))) for name in fitting
     }
     if cloud.colors is not None:
         entry["colors"] = pack((255 * np.clip(cloud.colors[rows, :3], 0, 1)).round().astype(np.uint8))
@@ -141,10 +194,8 @@ def _steps(offsets: NDArray[np.float64], span: NDArray[np.float64]) -> NDArray[n
 
 
 def _thin(n_points: int, most: int) -> NDArray[np.intp]:
-    """Rows to show: all, or an even random choice that is the same every time."""
-    if n_points <= most:
-        return np.arange(n_points)
-    return np.sort(np.random.default_rng(0).choice(n_points, most, replace=False))
+    """Rows to show, in a random order that is the same every time: any beginning of them is an even choice."""
+    return np.random.default_rng(0).permutation(n_points)[:most]
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,65 +218,45 @@ class _Display:
         return Neighbors(self.points[self.rows])
 
 
-def _model(folder: Path, points: Points, group: pd.DataFrame, room: float) -> dict[str, Any]:
-    """One model and its results; ``room`` is the share of the points that the page can hold."""
-    most = min(MOST_POINTS, max(_FEWEST_POINTS, int(room * len(points))))
-    display = _Display(points, _thin(len(points), most))
-    scales: dict[str, list[Vector]] = {}
-    results = []
-    for cell in group.to_dict("records"):
-        arrays = load_arrays(folder / cell["cloud"])
-        errors = percent_errors(folder / cell["cloud"], arrays, points)[display.rows]
-        scales.setdefault(f"{cell['reduction']:g}", []).append(errors)
-        results.append(_result(cell, arrays, errors, display))
-    tops = {reduction: error_scale(found) for reduction, found in scales.items()}
-    return _original(display, group.input.iloc[0]) | {"results": results, "scales": tops}
-
-
 def _original(display: _Display, name: str) -> dict[str, Any]:
-    shown = display.points[display.rows]
     return {
         "name": name,
         "total": len(display.points),
-        "shown": len(shown),
+        "shown": len(display.rows),
         "low": display.low.tolist(),
         "span": display.span.tolist(),
         "up": up_axis(display.points),
-        "points": pack(_steps(shown - display.low, display.span)),
-        "shade": pack((255 * brightness(local_normals(shown), _LIGHT)).round().astype(np.uint8)),
+        "points": pack(_steps(display.points[display.rows] - display.low, display.span)),
     }
 
 
-def _result(
-    cell: Mapping[Any, Any], arrays: Mapping[str, NDArray[Any]], errors: Vector, display: _Display
-) -> dict[str, Any]:
-    """One result, as the page's script reads it."""
-    found: dict[str, Any] = {
-        "method": cell["label"],
-        "reduction": cell["reduction"],
+def _heads(cell: pd.Series, arrays: Mapping[str, NDArray[Any]], errors: Vector) -> dict[str, Any]:
+    """What the page says of a result before it is drawn."""
+    return {
+        "method": cell.label,
+        "reduction": float(cell.reduction),
         "count": len(arrays["points"]),
-        "errors": pack_values(errors),
-        "mean": cell[ERROR] if np.isfinite(cell[ERROR]) else None,
+        "mean": float(cell[ERROR]) if np.isfinite(cell[ERROR]) else None,
+        "p95": float(np.percentile(errors, 95)),
+        "max": float(errors.max()),
     }
+
+
+def _result(arrays: Mapping[str, NDArray[Any]], errors: Vector, display: _Display) -> dict[str, Any]:
+    """The arrays of one result for the points that are shown, as the page's script reads them."""
+    own = {k: a[display.rows] for k, a in arrays.items() if a.shape == (len(display.points),)}
+    found: dict[str, Any] = {"columns": {"error": pack_values(errors)}}
+    if "curvature" in own:
+        found["columns"]["curvature"] = pack_values(np.nan_to_num(own["curvature"].astype(float)))
+    if "labels" in own:
+        found["labels"] = pack(own["labels"].astype("<u2"))
+    if "feature_mask" in own:
+        found["features"] = _pack_mask(own["feature_mask"].astype(bool))
     if "indices" in arrays and len(display.rows) == len(display.points):
         mask = np.zeros(len(display.points), dtype=bool)
         mask[arrays["indices"]] = True
-        return found | {"kept": _pack_mask(mask)} | _marks(arrays, display)
-    own = arrays["points"].astype(float)
-    own = own[_thin(len(own), MOST_POINTS)]
-    nearest = display.tree.query(own, 1)[1][:, 0].astype("<u4")
-    places = pack(_steps(own - display.low, display.span))
-    return found | {"points": places, "nearest": pack(nearest)} | _marks(arrays, display)
-
-
-def _marks(arrays: Mapping[str, NDArray[Any]], display: _Display) -> dict[str, Any]:
-    """Cluster, curvature and feature points, where the method said them for each original."""
-    own = {k: a[display.rows] for k, a in arrays.items() if a.shape == (len(display.points),)}
-    found: dict[str, Any] = {}
-    if "labels" in own:
-        found["labels"] = pack(own["labels"].astype("<u2"))
-    if "curvature" in own:
-        found["curvature"] = pack_values(np.nan_to_num(own["curvature"].astype(float)))
-    if "feature_mask" in own:
-        found["features"] = _pack_mask(own["feature_mask"].astype(bool))
-    return found
+        return found | {"kept": _pack_mask(mask[display.rows])}
+    points = arrays["points"].astype(float)
+    points = points[_thin(len(points), MOST_POINTS)]
+    nearest = display.tree.query(points, 1)[1][:, 0].astype("<u4")
+    return found | {"points": pack(_steps(points - display.low, display.span)), "nearest": pack(nearest)}

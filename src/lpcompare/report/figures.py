@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import base64
 from collections.abc import Iterator, Mapping
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -160,6 +162,25 @@ def draw_results(figure: Figure, run: Run, model: str, table: pd.DataFrame, what
         figure.colorbar(shown, ax=list(grid), shrink=0.9, label=_BARS[what], extend="max")
 
 
+def results_still(run: Run, model: str, table: pd.DataFrame) -> str:
+    """The errors of some results as a PNG in base64, for a page."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(2.4 * (len(table) + 1) + 1, 2.8), layout="constrained")
+    draw_results(figure, run, model, table, "errors")
+    return _encoded(figure)
+
+
+def cloud_still(points: Points) -> str:
+    """A cloud as a PNG in base64, for a page; a large one is thinned."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(5, 4), layout="constrained")
+    shown = points[:: max(1, len(points) // _AREA)]
+    draw_cloud(figure.subplots(), shown, size=float(np.clip(_AREA / len(shown), 0.3, 12)), up=up_axis(points))
+    return _encoded(figure)
+
+
 def grid_shape(n_panels: int) -> tuple[int, int]:
     """Lines and columns of a grid at most five wide, as full as can be."""
     n_lines = -(-n_panels // 5)
@@ -282,6 +303,12 @@ def _logarithmic(axes: Axes, name: str) -> None:
 def _bars(table: pd.DataFrame, key: str) -> np.ndarray:
     """Lengths (2, n) of the bars from the medians down to the smallest and up to the largest repeat."""
     return np.array([table[key] - table[f"{key}_low"], table[f"{key}_high"] - table[key]])
+
+
+def _encoded(figure: Figure) -> str:
+    picture = BytesIO()
+    figure.savefig(picture, format="png", dpi=100, metadata={"Software": None})
+    return base64.b64encode(picture.getvalue()).decode("ascii")
 
 
 def _save(figure: Figure, path: Path) -> None:

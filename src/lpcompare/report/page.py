@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import gzip
 import math
 from collections.abc import Mapping
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
@@ -15,9 +17,10 @@ from markupsafe import Markup
 from lpcompare.benchmark.record import Run, load_run
 from lpcompare.errors import UnknownName
 from lpcompare.files import replace_text
-from lpcompare.report.cells import ERROR, RUNTIME, cells, choose_reference, clean, columns
-from lpcompare.report.charts import collect_charts, collect_perturbations
-from lpcompare.report.clouds3d import collect_views, one_cloud
+from lpcompare.report.cells import COSTS, ERROR, RUNTIME, cells, choose_reference, clean, columns
+from lpcompare.report.charts import collect_charts, collect_perturbations, palettes
+from lpcompare.report.clouds3d import Views, default_methods, kept_results, one_cloud, pack
+from lpcompare.report.figures import cloud_still, results_still
 from lpcompare.report.findings import summarize
 from lpcompare.report.ranks import agreement_table, rank_over_models
 from lpcompare.report.tables import number, percent, quantity
@@ -54,7 +57,7 @@ def write_page(run_folder: str | Path, out: Path | None = None, *, reference: st
     run = load_run(run_folder)
     out = out or run.folder / "report.html"
     remedy = f"make room, or name another file: lpcompare report {run.folder} --out FILE"
-    replace_text(out, _render("page.html", page_context(run, reference)), remedy)
+    replace_text(out, run_page(run, reference)[0], remedy)
     return out
 
 
@@ -72,24 +75,51 @@ def write_view(cloud: PointCloud, out: Path) -> Path:
     Path
         The file written.
     """
-    context = {"title": cloud.name or "point cloud", "views": [one_cloud(cloud)]}
-    replace_text(out, _render("view.html", context | {"scripts": ("theme", "decode", "views", "start")}))
+    title = cloud.name or "point cloud"
+    still = cloud_still(cloud.points)
+    charts = {"cells": [], "methods": {}, "palettes": palettes(), "reference": ""}
+    context = {"title": title, "kicker": "lpcompare · one cloud", "views": [one_cloud(cloud)], "page": charts}
+    context |= {
+        "still": still,
+        "still_text": f"{title}, {len(cloud):,} points",
+        "served": False,
+        "alone": True,
+    }
+    replace_text(out, _render("view.html", context))
     return out
 
 
-def page_context(run: Run, reference: str = "") -> dict[str, Any]:
-    """What the template shows of a run; raises `UnknownName` for a reference that is not in it."""
+def run_page(run: Run, reference: str = "", *, served: bool = False) -> tuple[str, Views]:
+    """The page of a run as text, and its views; raises as `write_page` does.
+
+    Where the page is served, the arrays of a result are not in it: it asks for them.
+    """
     table = cells(run.frame)
     if reference and reference not in table.label.unique():
         raise UnknownName("method of this run", reference, list(table.label.unique()))
+    views = Views(run, table, reference or choose_reference(table), served=served)
+    return _render("page.html", _context(run, table, views, reference) | {"served": served}), views
+
+
+def _context(run: Run, table: pd.DataFrame, views: Views, reference: str) -> dict[str, Any]:
+    """What the template shows of a run."""
     known, plain = columns(table), clean(table)
-    order = ["missing", "input", "reduction", ERROR]
+    perturbations = collect_perturbations(run.frame)
+    viewed = {i for _, group in kept_results(run, table).values() for i in group.index}
+    shown = table.assign(viewed=table.index.isin(viewed), missing=table.n_ok.eq(0))
+    title = run.plan.get("title") or _models(plain)
+    kicker = "lpcompare · point cloud simplification compared"
+    page = collect_charts(table, known, reference or choose_reference(table))
+    page |= {"palettes": palettes(), "panels": perturbations["panels"]}
     return {
-        "title": run.plan.get("title") or _models(plain),
-        "subject": _models(plain),
+        "title": title,
+        "kicker": kicker if title == _models(plain) else f"{kicker} · {_models(plain)}",
         "run": run,
-        "cells": table.assign(missing=table.n_ok.eq(0)).sort_values(order, kind="stable").to_dict("records"),
+        "cells": shown.sort_values(["missing", "input", "reduction", ERROR], kind="stable").to_dict(
+            "records"
+        ),
         "headings": known,
+        "measures": [key for key, column in known.items() if key not in COSTS and not column.alias],
         "main_columns": [key for key in MAIN_COLUMNS if key in known],
         "models": list(table.input.unique()),
         "reductions": sorted(table.reduction.unique()),
@@ -99,11 +129,24 @@ def page_context(run: Run, reference: str = "") -> dict[str, Any]:
         "settings": _settings(table),
         "ranking": rank_over_models(plain) if plain.input.nunique() > 1 else None,
         "agreement": agreement_table(plain, known).to_dict("records"),
-        "charts": collect_charts(table, known, reference or choose_reference(table)),
-        "perturbations": collect_perturbations(run.frame),
-        "views": collect_views(run, table),
-        "scripts": ("theme", "table", "charts", "perturbations", "decode", "views", "start"),
+        "page": page,
+        "perturbations": perturbations,
+        "views": views.entries(),
+        **_still(run, table, page["reference"]),
+        "alone": False,
     }
+
+
+def _still(run: Run, table: pd.DataFrame, reference: str) -> dict[str, str]:
+    """A picture of the first model's default views, and what it shows in words."""
+    for model, (_, group) in kept_results(run, table).items():
+        shown = group[group.reduction.eq(group.reduction.max())]
+        shown = shown[shown.label.isin(default_methods(shown, reference))]
+        names = ", ".join(f"{c.label} (plane error {number(c[ERROR])} %)" for _, c in shown.iterrows())
+        removed = percent(float(shown.reduction.iloc[0]))
+        text = f"{model} with {removed} of its points removed, coloured by the error: the original, {names}"
+        return {"still": results_still(run, model, shown), "still_text": text}
+    return {"still": "", "still_text": ""}
 
 
 def _models(table: pd.DataFrame) -> str:
@@ -153,7 +196,7 @@ def _asset(name: str) -> Markup:
 
 
 def _plotly() -> Markup:
-    """plotly.js, as its Python package ships it."""
+    """plotly.js, as its Python package ships it, packed; the page unpacks it when a chart comes into sight."""
     from plotly.offline import get_plotlyjs
 
-    return Markup(get_plotlyjs())
+    return Markup(pack(np.frombuffer(gzip.compress(get_plotlyjs().encode(), 9, mtime=0), np.uint8)))

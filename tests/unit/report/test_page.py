@@ -12,6 +12,7 @@ from made_runs import METHODS, dented_sphere
 from lpcompare.benchmark.plan import Plan, Variant
 from lpcompare.benchmark.runner import run_plan
 from lpcompare.errors import InputError, UnknownName
+from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.report.page import write_page, write_view
 from lpcompare.types import PointCloud
 
@@ -49,9 +50,9 @@ def test_the_heading_is_the_studys_title_and_the_model_where_there_is_none(plain
 def test_page_asks_for_nothing_from_a_network(plain_run, tmp_path):
     page = write_page(plain_run, tmp_path / "page.html").read_text(encoding="utf-8")
     assert "default-src 'none'" in page
-    assert not re.findall(
-        r"""<(?:script|img|iframe|link)[^>]+(?:src|href)\s*=""", re.sub(r"(?s)<script.*?</script>", "", page)
-    )
+    bare = re.sub(r"(?s)<script.*?</script>", "", page)
+    sources = re.findall(r"""<(?:script|img|iframe|link)[^>]+(?:src|href)\s*=\s*["']?([^"'>]*)""", bare)
+    assert all(source.startswith("data:image/png;base64,") for source in sources)
 
 
 def test_names_that_look_like_markup_show_as_text(new_run, tmp_path):
@@ -63,31 +64,38 @@ def test_names_that_look_like_markup_show_as_text(new_run, tmp_path):
     path = write_page(new_run.write(), tmp_path / "page.html")
     page = path.read_text(encoding="utf-8")
     assert evil not in page
-    assert "<img" not in text_of(path)
-    assert (
-        "<b>"
-        not in text_of(path).replace("<b>mesh</b>", "").replace("<b>moved</b>", "").split("agreement")[0]
-    )
+    assert "<img src=x" not in text_of(path)
+    assert "</script><b>" not in page
+    assert "<b>&lt;img src=x" in page, "the reference's name is text"
     assert "&lt;script&gt;alert(1)" in page
     assert data_of(path, "view-data")[0]["name"] == evil
+
+
+def words(text):
+    return np.frombuffer(base64.b64decode(text), "<u2")
 
 
 def test_view_data_gives_the_errors_and_the_points_back(plain_run, tmp_path):
     (model,) = data_of(write_page(plain_run, tmp_path / "page.html"), "view-data")
     with np.load(plain_run / "clouds" / "dented.npz") as file:
         points = file["points"]
-    steps = np.frombuffer(base64.b64decode(model["points"]), "<u2").reshape(-1, 3)
-    assert np.allclose(steps / 65535 * model["span"] + model["low"], points, atol=max(model["span"]) / 65535)
+    shown = words(model["points"]).reshape(-1, 3) / 65535 * model["span"] + model["low"]
+    distances, rows = Neighbors(points).query(shown, 1)
+    assert distances.max() < 2 * max(model["span"]) / 65535
+    assert sorted(rows[:, 0]) == list(range(len(points))), "every point is there, in another order"
     (result,) = [r for r in model["results"] if r["method"] == "first_rows" and r["reduction"] == 0.9]
     with np.load(plain_run / "clouds" / "dented~first_rows~0.9~s0.npz") as file:
-        errors, rows = file["plane_errors"] * 100 / np.linalg.norm(np.ptp(points, axis=0)), file["indices"]
-    packed = result["errors"]
-    steps = np.frombuffer(base64.b64decode(packed["steps"]), "<u2")
-    assert np.allclose(steps / 65535 * packed["span"] + packed["low"], errors, atol=packed["span"] / 65535)
-    kept = np.unpackbits(np.frombuffer(base64.b64decode(result["kept"]), "u1"), bitorder="little")[
-        : len(points)
-    ]
-    assert np.array_equal(np.flatnonzero(kept), rows)
+        errors, kept = file["plane_errors"] * 100 / np.linalg.norm(np.ptp(points, axis=0)), file["indices"]
+    packed = result["columns"]["error"]
+    found = words(packed["steps"]) / 65535 * packed["span"] + packed["low"]
+    assert np.allclose(found, errors[rows[:, 0]], atol=packed["span"] / 65535)
+    bits = np.unpackbits(np.frombuffer(base64.b64decode(result["kept"]), "u1"), bitorder="little")
+    assert np.array_equal(np.sort(rows[np.flatnonzero(bits[: len(points)]), 0]), kept)
+
+
+def test_the_reference_the_best_subset_and_the_papers_method_are_shown_first(plain_run, tmp_path):
+    (model,) = data_of(write_page(plain_run, tmp_path / "p.html", reference="moved_points"), "view-data")
+    assert model["defaults"][:2] == ["moved_points", "random_sample"]
 
 
 def test_marks_of_a_method_are_offered_where_it_said_them(new_run, tmp_path):
@@ -101,15 +109,18 @@ def test_marks_of_a_method_are_offered_where_it_said_them(new_run, tmp_path):
     new_run.case("m", "random_sample", 0.9, marks=marks)
     new_run.case("m", "first_rows", 0.9)
     with_marks, without = data_of(write_page(new_run.write(), tmp_path / "p.html"), "view-data")[0]["results"]
-    assert {"labels", "curvature", "features"} <= with_marks.keys()
-    assert not {"labels", "curvature", "features"} & without.keys()
+    assert {"labels", "features"} <= with_marks.keys()
+    assert "curvature" in with_marks["columns"]
+    assert not {"labels", "features"} & without.keys()
+    assert list(without["columns"]) == ["error"]
 
 
 def test_a_real_run_of_our_method_offers_its_clusters_curvature_and_features(tmp_path):
     plan = Plan(models=("m",), variants=(Variant("lp_density"),), reductions=(0.8,), threads=1)
     run_plan(plan, {"m": PointCloud(dented_sphere(300), name="m")}, tmp_path / "run")
     (result,) = data_of(write_page(tmp_path / "run"), "view-data")[0]["results"]
-    assert {"labels", "curvature", "features", "kept"} <= result.keys()
+    assert {"labels", "features", "kept"} <= result.keys()
+    assert result["columns"].keys() == {"error", "curvature"}
 
 
 def test_a_large_cloud_is_thinned_for_display_and_its_numbers_are_not(new_run, tmp_path, monkeypatch):
@@ -190,5 +201,5 @@ def test_a_clouds_own_colours_and_scalars_are_offered(tmp_path):
         points, colors=np.tile([1, 0, 0, 1.0], (50, 1)), attributes={"height": points[:, 2], "names": points}
     )
     (view,) = data_of(write_view(cloud, tmp_path / "v.html"), "view-data")
-    assert list(view["attributes"]) == ["height"]
+    assert list(view["columns"]) == ["height"]
     assert base64.b64decode(view["colors"])[:3] == b"\xff\x00\x00"

@@ -1,5 +1,5 @@
 "use strict";
-// The table of results: a click on a heading sorts, words and a reduction filter.
+// The table of results: a click on a heading sorts, words and a reduction filter, a method opens its view.
 
 // Rows without a value (a failed case) stay at the end, whichever way the column is sorted.
 function compareCells(a, b, isText, sign) {
@@ -9,15 +9,17 @@ function compareCells(a, b, isText, sign) {
   return sign * (x - y);
 }
 
-function sortTable(table, heading) {
+function cellText(cell) {
+  return cell.dataset.value ?? cell.textContent.trim();
+}
+
+function sortTable(table, heading, order = heading.ariaSort === "ascending" ? "descending" : "ascending") {
   const column = [...heading.parentNode.children].indexOf(heading);
-  const descending = heading.ariaSort === "ascending";
   for (const other of heading.parentNode.children) other.removeAttribute("aria-sort");
-  heading.setAttribute("aria-sort", descending ? "descending" : "ascending");
-  const value = (row) => row.children[column].dataset.value ?? row.children[column].textContent.trim();
-  const isText = heading.dataset.kind === "text";
+  heading.setAttribute("aria-sort", order);
+  const sign = order === "descending" ? -1 : 1, isText = heading.dataset.kind === "text";
   const rows = [...table.tBodies[0].rows];
-  rows.sort((a, b) => compareCells(value(a), value(b), isText, descending ? -1 : 1));
+  rows.sort((a, b) => compareCells(cellText(a.children[column]), cellText(b.children[column]), isText, sign));
   table.tBodies[0].append(...rows);
 }
 
@@ -28,24 +30,32 @@ function rowMatches(row, words, reduction) {
 }
 
 function filterTable(table) {
-  const words = document.getElementById("filter").value.toLowerCase().split(/\s+/).filter(Boolean);
-  const reduction = document.getElementById("filter-reduction").value;
+  const words = byId("filter").value.toLowerCase().split(/\s+/).filter(Boolean);
   const rows = [...table.tBodies[0].rows];
-  for (const row of rows) row.hidden = !rowMatches(row, words, reduction);
+  for (const row of rows) row.hidden = !rowMatches(row, words, byId("filter-reduction").value);
   const shown = rows.filter((row) => !row.hidden).length;
-  document.getElementById("filter-count").textContent = shown < rows.length ? `${shown} of ${rows.length} rows` : "";
+  byId("filter-count").textContent = shown < rows.length ? `${shown} of ${rows.length} rows` : "";
 }
 
 function startTable() {
-  const table = document.getElementById("table");
+  const table = byId("table");
   if (!table) return;
+  const show = () => { filterTable(table); table.classList.toggle("all", byId("all-columns").checked); };
   for (const heading of table.tHead.rows[0].cells) {
-    heading.firstElementChild.addEventListener("click", () => sortTable(table, heading));
+    heading.firstElementChild.addEventListener("click", () => { sortTable(table, heading); keepState(); });
   }
-  for (const id of ["filter", "filter-reduction"]) {
-    document.getElementById(id).addEventListener("input", () => filterTable(table));
-  }
-  document.getElementById("all-columns").addEventListener("change", (event) => {
-    table.classList.toggle("all", event.target.checked);
+  for (const id of ["filter", "filter-reduction", "all-columns"]) byId(id).addEventListener("input", () => { show(); keepState(); });
+  table.addEventListener("click", ({ target }) => {
+    if (target.matches(".open")) openView(target.dataset.model, Number(target.dataset.reduction), target.textContent);
+    if (target.matches(".cite")) saveText(`${target.dataset.method}.bib`, page.methods[target.dataset.method].bibtex);
   });
+  byId("save-table").addEventListener("click", () => saveText("results.csv", tableText(table)));
+  show();
+}
+
+// What the table shows, as CSV; a cell that a spreadsheet would take for a formula is quoted.
+function tableText(table) {
+  const quote = (text) => `"${(/^\s*[=+\-@]/.test(text) && isNaN(text) ? "'" : "") + text.replaceAll('"', '""')}"`;
+  const rows = [table.tHead.rows[0], ...[...table.tBodies[0].rows].filter((row) => !row.hidden)];
+  return rows.map((row) => [...row.cells].filter((cell) => cell.offsetParent).map((cell) => quote(cell.dataset.key ?? cellText(cell))).join(",")).join("\r\n");
 }

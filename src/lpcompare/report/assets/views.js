@@ -1,380 +1,382 @@
 "use strict";
-// The 3D views: one plotly scene for the original and one for each chosen result, with linked cameras.
+// The 3D views: the original and chosen results of one model, turned together, coloured on one scale.
 
-const MOST_VIEWS = 6; // browsers give a page only so many WebGL contexts
-const CLUSTER_COLOURS = ["#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00", "#f0e442", "#882255", "#44aa99", "#999933"];
-const MARK_COLOURS = { removed: "#b5bac1", kept: "#0072b2", feature: "#d55e00" };
-const GREY_NOTE = "Grey: the method says nothing of it.";
-const CAMERAS = {
-  y: { up: { x: 0, y: 1, z: 0 }, eye: { x: 0.35, y: 0.35, z: 1.6 }, center: { x: 0, y: 0, z: 0 } },
-  z: { up: { x: 0, y: 0, z: 1 }, eye: { x: 0.9, y: -1.2, z: 0.9 }, center: { x: 0, y: 0, z: 0 } },
-};
-let models = [];
-const view = { model: null, reduction: null, colour: "errors", keptOnly: false, size: 2, methods: [], camera: null };
-
-function results() {
-  return (view.model.results ?? []).filter((result) => result.reduction === view.reduction);
-}
-
-// --- what a point looks like --------------------------------------------------------------------------
-
-function stepped(colours) {
-  return colours.flatMap((colour, i) => [[i / colours.length, colour], [(i + 1) / colours.length, colour]]);
-}
-
-function brightness() {
-  return isDark() ? [[0, "#2b3138"], [1, "#f2f4f7"]] : [[0, "#39424e"], [1, "#d3d9e0"]];
-}
-
-// Colour numbers of the originals for the colouring chosen, and their scale; null where a result has none.
-function colouring(result) {
-  const data = decode(result ?? view.model, view.model);
-  if (!result) return originalColouring(data);
-  if (view.colour === "errors") {
-    return { values: data.errors, colorscale: "Viridis", cmin: 0, cmax: view.model.scales[reductionKey()] || 1 };
-  }
-  if (view.colour === "marks" && !(data.kept || data.points)) return null;
-  if (view.colour === "marks") return { values: marks(data), colorscale: stepped(Object.values(MARK_COLOURS)), cmin: 0, cmax: 3 };
-  if (view.colour === "labels" && data.labels) {
-    const n = CLUSTER_COLOURS.length;
-    return { values: Float32Array.from(data.labels, (label) => (label % n) + 0.5), colorscale: stepped(CLUSTER_COLOURS), cmin: 0, cmax: n };
-  }
-  if (view.colour === "curvature" && data.curvature) {
-    return { values: data.curvature, colorscale: "Cividis", cmin: 0, cmax: quantile(data.curvature, 0.95) };
-  }
-  return null;
-}
-
-function originalColouring(data) {
-  const attribute = view.model.attributes?.[view.colour];
-  if (attribute) return { values: decodeScalar(attribute), colorscale: "Viridis", cmin: attribute.low, cmax: attribute.low + attribute.span };
-  if (view.colour === "colors" && data.colors) return { css: rgbTexts(data.colors) };
-  return { values: data.shade, colorscale: brightness(), cmin: 0, cmax: 255 };
-}
-
-function rgbTexts(bytes) {
-  return Array.from({ length: bytes.length / 3 }, (_, i) => `rgb(${bytes[3 * i]},${bytes[3 * i + 1]},${bytes[3 * i + 2]})`);
-}
-
-// 0.5 removed, 1.5 kept, 2.5 kept as a feature point: the middles of three steps.
-function marks(data) {
-  if (!data.kept) return new Float32Array(view.model.shown).fill(0.5);
-  return Float32Array.from(data.kept, (kept, i) => 0.5 + kept + (kept && data.features ? data.features[i] : 0));
-}
-
-function reductionKey() {
-  return Number(view.reduction.toPrecision(6)).toString();
-}
-
-function quantile(values, share) {
-  return Float32Array.from(values).sort()[Math.floor(share * (values.length - 1))];
-}
-
-// --- traces -------------------------------------------------------------------------------------------
-
-function pointTrace([x, y, z], colours, size) {
-  const marker = { symbol: "square", size, line: { width: 0 }, opacity: 1 };
-  if (colours.css) marker.color = colours.css;
-  else Object.assign(marker, { color: colours.values, colorscale: colours.colorscale, cmin: colours.cmin, cmax: colours.cmax });
-  return { type: "scatter3d", mode: "markers", x, y, z, marker, hoverinfo: "none" };
-}
-
-// Which originals a view shows: the rows of the model, or null when it shows a result's own points.
-function shownRows(result) {
-  if (!result || !view.keptOnly) return null;
-  const data = decode(result, view.model);
-  return data.kept ? indicesOf(data.kept) : data.nearest;
-}
-
-function indicesOf(mask) {
-  const rows = [];
-  mask.forEach((bit, i) => bit && rows.push(i));
-  return Uint32Array.from(rows);
-}
-
-function pick(array, rows) {
-  return Float32Array.from(rows, (row) => array[row]);
-}
-
-function traces(result) {
-  const all = decode(view.model, view.model).points;
-  const colours = colouring(result) ?? colouring(null);
-  const own = result && decode(result, view.model).points;
-  const rows = shownRows(result);
-  if (rows) {
-    const places = own ?? all.map((axis) => pick(axis, rows));
-    const values = own && view.colour === "marks" ? new Float32Array(rows.length).fill(1.5) : pick(colours.values, rows);
-    return [pointTrace(places, { ...colours, values }, view.size + 0.5)];
-  }
-  const base = pointTrace(all, colours, view.size);
-  if (!own || view.colour !== "marks") return [base];
-  return [base, pointTrace(own, { ...colours, values: new Float32Array(own[0].length).fill(1.5) }, view.size + 0.5)];
-}
-
-// --- scenes -------------------------------------------------------------------------------------------
-
-// Each part of an axis off: of an axis that is not visible, plotly still turns the letters into triangles.
-const NO_AXIS = {
-  title: { text: "" }, tickmode: "array", tickvals: [],
-  showgrid: false, showline: false, zeroline: false, showbackground: false, showspikes: false,
+const MOST_VIEWS = 6;
+const MARKS = { removed: [196, 201, 208], kept: [0, 114, 178], feature: [213, 94, 0] };
+const view = {
+  models: [], model: null, reduction: null, colour: "error", keptOnly: false, methods: [], size: 1, layout: "side", swipe: 0.5, ends: null,
+  full: null, picked: null, blink: 0, most: Infinity,
 };
 
-function sceneLayout() {
-  const { span, up } = view.model;
-  const longest = Math.max(...span) || 1;
-  const axis = (i) => ({ ...NO_AXIS, range: span[i] > 0 ? [0, span[i]] : [-longest / 2, longest / 2] });
-  const ratio = (i) => Math.max(span[i] / longest, 1e-3);
-  return {
-    margin: { l: 0, r: 0, t: 0, b: 0 }, showlegend: false, paper_bgcolor: "rgba(0,0,0,0)", uirevision: "kept",
-    scene: {
-      xaxis: axis(0), yaxis: axis(1), zaxis: axis(2), dragmode: "orbit", bgcolor: themeColour("--panel"),
-      aspectmode: "manual", aspectratio: { x: ratio(0), y: ratio(1), z: ratio(2) }, camera: view.camera ?? CAMERAS[up],
-    },
-  };
+function byId(id) {
+  return document.getElementById(id);
 }
 
-function caption(result) {
-  if (!result) return [view.model.results ? "Original" : view.model.name, `${view.model.total.toLocaleString("en")} points`];
-  const mean = Number.isFinite(result.mean) ? `, error ${(+result.mean.toPrecision(3)).toString()} %` : "";
-  return [result.method, `${result.count.toLocaleString("en")} points${mean}`];
+function results(model = view.model) {
+  return (model.results ?? []).filter((result) => result.reduction === view.reduction);
 }
 
-function makePanel(result) {
-  const panel = document.createElement("figure");
-  panel.className = "view";
-  const [title, detail] = caption(result);
-  const heading = document.createElement("figcaption");
-  const extra = document.createElement("span");
-  extra.textContent = detail;
-  heading.append(title, extra);
-  const scene = Object.assign(document.createElement("div"), { className: "scene", result });
-  const readout = Object.assign(document.createElement("div"), { className: "readout" });
-  panel.append(heading, scene, readout);
-  document.getElementById("view-grid").append(panel);
-  return scene;
+function shownEntries() {
+  const chosen = view.methods.map((method) => results().find((result) => result.method === method)).filter(Boolean);
+  return view.layout === "side" || chosen.length < 1 ? [null, ...chosen] : [chosen[0] ?? null, chosen[1] ?? null];
 }
 
-async function drawScene(scene) {
-  const config = { displayModeBar: false, responsive: true, scrollZoom: true, plotGlPixelRatio: devicePixelRatio };
-  await Plotly.react(scene, traces(scene.result), sceneLayout(), config);
-  if (scene.linked) return;
-  scene.linked = true;
-  scene.on("plotly_relayouting", (change) => follow(scene, change));
-  scene.on("plotly_relayout", (change) => follow(scene, change));
-  scene.on("plotly_hover", (event) => readOut(scene, event.points[0]));
+// --- colourings -----------------------------------------------------------------------------------------
+
+// What a model and its results can be coloured by: key -> {title, unit, kind}.
+function colourings() {
+  const entries = [view.model, ...results()];
+  const found = view.model.results ? { error: { title: "plane error", unit: "% of diagonal", kind: "scalar", low: 0 } } : {};
+  if (view.model.colors) found.rgb = { title: "its own colours", kind: "rgb" };
+  found.shape = { title: "shape", kind: "plain" };
+  found.height = { title: "height", unit: "model units", kind: "scalar" };
+  if (view.model.results) found.marks = { title: "kept and removed", kind: "category" };
+  if (entries.some((entry) => entry.labels)) found.labels = { title: "cluster", kind: "category" };
+  for (const entry of entries) {
+    for (const name of Object.keys(entry.columns ?? {})) found[name] ??= { title: name, unit: name === "curvature" ? "1 / model unit" : "", kind: "scalar" };
+  }
+  return found;
 }
 
-function scenes() {
-  return [...document.querySelectorAll("#view-grid .scene")];
+// Height as a column: 16-bit steps along the axis that points up.
+const heights = new WeakMap();
+function heightColumn(points) {
+  const axis = view.model.up === "z" ? 2 : 1;
+  if (!heights.has(points)) heights.set(points, Uint16Array.from({ length: points.length / 3 }, (_, i) => points[3 * i + axis]));
+  return { low: view.model.low[axis], span: view.model.span[axis], words: heights.get(points) };
 }
 
-// The other cameras go where this one goes. What they report while being moved is not passed on.
-let leader = null;
-async function follow(scene, change) {
-  const camera = change["scene.camera"];
-  if (!camera || (leader && leader !== scene)) return;
-  leader = scene;
-  view.camera = camera;
-  await Promise.all(scenes().filter((other) => other !== scene && other.linked).map((other) => Plotly.relayout(other, { "scene.camera": camera })));
-  leader = null;
+function columnOf(data, all, key) {
+  return key === "height" ? heightColumn(all.points) : data.columns[key];
 }
 
-// Below every view: what it says about the point under the pointer.
-function readOut(source, hit) {
-  const rows = shownRows(source.result);
-  const row = rows ? rows[hit.pointNumber] : hit.curveNumber === 0 ? hit.pointNumber : null;
-  if (row === null || row === undefined) return;
-  const place = [hit.x, hit.y, hit.z].map((value, i) => +(value + view.model.low[i]).toPrecision(7));
-  for (const scene of scenes()) {
-    scene.nextElementSibling.textContent = scene.result ? describe(scene.result, row) : `Point at ${place.join(", ")}${attributesOf(row)}`;
+// 0 removed, 1 kept, 2 kept as a feature point.
+const marks = new WeakMap();
+function markColumn(data, n) {
+  if (!marks.has(data)) {
+    const words = new Uint16Array(n);
+    for (const row of data.kept ? data.rows : []) words[row] = 1 + (data.features ? data.features[row] : 0);
+    marks.set(data, words);
+  }
+  return marks.get(data);
+}
+
+// The layers of one view, each a set of points and how it is coloured.
+function layersOf(entry) {
+  const all = decoded.get(view.model), data = entry ? decoded.get(entry) : all;
+  const layer = { ...paintOf(entry, data, all), points: all.points };
+  const own = entry && data.points;
+  if (!entry || !(view.keptOnly || (own && view.colour === "marks"))) return [layer];
+  if (!own) return [{ ...layer, rows: data.rows, grow: 1.5 }];
+  const values = layer.values && gathered(layer.values, data.rows);
+  const moved = { ...layer, points: data.points, values, grow: 1.5, ...(view.colour === "marks" ? { kind: "plain", plain: MARKS.kept } : {}) };
+  return view.keptOnly ? [moved] : [layer, moved];
+}
+
+const gathers = new WeakMap();
+function gathered(values, rows) {
+  if (!gathers.has(rows)) gathers.set(rows, new Map());
+  const known = gathers.get(rows);
+  if (!known.has(values)) known.set(values, gather(values, rows));
+  return known.get(values);
+}
+
+function paintOf(entry, data, all) {
+  const found = colourings()[view.colour];
+  if (view.colour === "rgb") return { kind: "rgb", rgb: all.colors };
+  if (view.colour === "marks" && entry) return { kind: "category", values: markColumn(data, view.model.shown), colours: Object.values(MARKS) };
+  if (view.colour === "labels" && data.labels) return { kind: "category", values: data.labels, colours: page.palettes.clusters };
+  const column = found.kind === "scalar" && columnOf(data, all, view.colour);
+  if (!column) return { kind: "plain" };
+  const colours = page.palettes[view.colour === "curvature" ? "cividis" : "viridis"];
+  return { kind: "scalar", values: column.words, low: column.low, span: column.span, ends: scaleEnds(), colours };
+}
+
+// --- panels ---------------------------------------------------------------------------------------------
+
+function captionOf(entry) {
+  if (!entry) return [view.model.results ? "Original" : view.model.name, `${view.model.total.toLocaleString("en")} points`];
+  const parts = [`${entry.count.toLocaleString("en")} points`];
+  if (view.colour === "error") parts.push(`mean ${short(entry.mean)}, 95 % ${short(entry.p95)}, max ${short(entry.max)} %`);
+  return [entry.method, parts.join(" · ")];
+}
+
+function short(value) {
+  return Number.isFinite(value) ? String(+value.toPrecision(3)) : "n/a";
+}
+
+function element(name, properties = {}, ...children) {
+  const made = Object.assign(document.createElement(name), properties);
+  made.append(...children);
+  return made;
+}
+
+function makePanel() {
+  const canvas = element("canvas", { tabIndex: 0 });
+  canvas.setAttribute("role", "img");
+  const fill = element("button", { type: "button", className: "fill", textContent: "⤢" });
+  const panel = element("figure", { className: "view" }, element("figcaption"), canvas, fill, element("div", { className: "readout" }));
+  fill.addEventListener("click", () => fillWindow(view.full === null ? panels().indexOf(panel) : null));
+  watchPointers(canvas, () => view.model, () => { moving(); keepState(); }, (x, y) => pick(canvas, x, y));
+  byId("view-grid").append(panel);
+  return panel;
+}
+
+function panels() {
+  return [...document.querySelectorAll("#view-grid .view")];
+}
+
+// As many panels as are wanted, each with what it shows; then draw them.
+let turn = 0;
+async function showViews() {
+  if (!view.model || !gl) return;
+  const mine = ++turn;
+  const wanted = view.model.results ? shownEntries() : [null];
+  await load(view.model, view.model);
+  if (!view.fitted) fit();
+  view.fitted = true;
+  for (const entry of wanted) if (entry) await load(entry, view.model);
+  if (mine !== turn) return;
+  const single = view.layout !== "side" && view.model.results;
+  const n = single ? 1 : wanted.length;
+  while (panels().length > n) panels().at(-1).remove();
+  while (panels().length < n) makePanel();
+  panels().forEach((panel, i) => dressPanel(panel, single ? wanted : [wanted[i]]));
+  drawChips();
+  drawScale();
+  watchBlink();
+  keepState();
+  requestDraw();
+}
+
+function dressPanel(panel, entries) {
+  panel.entries = entries;
+  const [title, detail] = entries.length > 1 ? [entries.map((e) => captionOf(e)[0]).join(view.layout === "swipe" ? " | " : " ⇄ "), ""] : captionOf(entries[0]);
+  panel.querySelector("figcaption").replaceChildren(element("b", { textContent: title }), element("span", { textContent: detail }));
+  panel.querySelector("canvas").setAttribute("aria-label", `${title}, ${detail} Arrow keys turn, plus and minus zoom, f fits.`);
+  const filled = view.full !== null;
+  panel.classList.toggle("full", panels()[view.full] === panel);
+  panel.querySelector(".fill").setAttribute("aria-label", filled ? "Back to the page" : `Let ${title} fill the window`);
+  panel.querySelector(".fill").textContent = filled ? "✕" : "⤢";
+  readOut(panel);
+}
+
+function fillWindow(index) {
+  view.full = index;
+  document.documentElement.classList.toggle("filled", index !== null);
+  for (const panel of panels()) dressPanel(panel, panel.entries);
+  keepState();
+  requestDraw();
+}
+
+// --- drawing --------------------------------------------------------------------------------------------
+
+let asked = 0, rest = 0;
+function requestDraw() {
+  asked ||= requestAnimationFrame(() => { asked = 0; drawAll(); });
+}
+
+// While the camera moves, only as many points as keep up; all of them once it rests. The points are in random order.
+function moving() {
+  clearTimeout(rest);
+  rest = setTimeout(() => { view.most = Infinity; requestDraw(); }, 250);
+  if (view.most === Infinity) view.most = view.pace ?? 400_000;
+  requestDraw();
+}
+
+function drawAll() {
+  const began = performance.now(), drawn = panels().filter((panel) => panel.entries && (view.full === null || panel.classList.contains("full")));
+  for (const panel of drawn) drawPanel(panel);
+  const took = performance.now() - began;
+  if (view.most !== Infinity) view.pace = Math.max(20_000, Math.min(4_000_000, view.most * (took > 70 ? 0.6 : took < 30 ? 1.3 : 1)));
+  if (view.most !== Infinity) view.most = view.pace;
+  byId("view-grid").dataset.drawn = drawn.length;
+}
+
+function drawPanel(panel) {
+  const canvas = panel.querySelector("canvas"), ratio = Math.min(2, devicePixelRatio);
+  const [width, height] = [canvas.clientWidth, canvas.clientHeight].map((side) => Math.max(1, Math.round(side * ratio)));
+  if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
+  const context = canvas.getContext("2d"), seen = project(view.model, width / height);
+  const options = { size: pointSize(), ground: rgbOf("--panel"), most: view.most };
+  const [first, second] = view.layout === "blink" && view.blink ? panel.entries.toReversed() : panel.entries;
+  paint(context, layersOf(first), seen, options);
+  if (view.layout === "swipe" && panel.entries.length > 1) swipe(context, layersOf(second), seen, options);
+  panel.seen = seen;
+  if (view.picked !== null) drawPick(context, seen);
+}
+
+function swipe(context, layers, seen, options) {
+  const { width, height } = context.canvas, at = Math.round(view.swipe * width);
+  context.save();
+  context.beginPath();
+  context.rect(at, 0, width - at, height);
+  context.clip();
+  paint(context, layers, seen, options);
+  context.restore();
+  context.fillStyle = themeColour("--ink");
+  context.fillRect(at - 1, 0, 2, height);
+}
+
+// Neighbouring points touch on a surface that fills the box.
+function pointSize() {
+  return (3.4 * view.size) / Math.sqrt(Math.max(200, view.model.shown));
+}
+
+function watchBlink() {
+  clearInterval(view.timer);
+  if (view.layout === "blink") view.timer = setInterval(() => { view.blink = 1 - view.blink; requestDraw(); }, 700);
+}
+
+// --- picking --------------------------------------------------------------------------------------------
+
+function placeOf(row) {
+  const { points } = decoded.get(view.model);
+  return [0, 1, 2].map((axis) => points[3 * row + axis] / 65535);
+}
+
+// The nearest point to the eye among those under the pointer.
+function pick(canvas, x, y) {
+  const panel = canvas.parentNode, { turn } = panel.seen, { points } = decoded.get(view.model);
+  const [width, height] = [canvas.clientWidth, canvas.clientHeight];
+  const rows = view.keptOnly && panel.entries[0] ? decoded.get(panel.entries[0]).rows : null;
+  let best = null, depth = Infinity;
+  for (let i = 0; i < (rows ? rows.length : points.length / 3); i++) {
+    const row = rows ? rows[i] : i;
+    const [px, py, w] = screenPlace(turn, [points[3 * row] / 65535, points[3 * row + 1] / 65535, points[3 * row + 2] / 65535], width, height);
+    if (w < depth && Math.hypot(px - x, py - y) < 6) [best, depth] = [row, w];
+  }
+  view.picked = best;
+  for (const other of panels()) readOut(other);
+  keepState();
+  requestDraw();
+}
+
+function drawPick(context, { turn }) {
+  const { width, height } = context.canvas, [x, y] = screenPlace(turn, placeOf(view.picked), width, height);
+  for (const [colour, line] of [["#fff", 5], ["#d00", 2.5]]) {
+    context.strokeStyle = colour;
+    context.lineWidth = line;
+    context.beginPath();
+    context.arc(x, y, 9, 0, 2 * Math.PI);
+    context.stroke();
   }
 }
 
-function describe(result, row) {
-  const data = decode(result, view.model);
-  const parts = [`error ${(+data.errors[row].toPrecision(3)).toString()} %`];
+// Below every view: what it says about the picked point.
+function readOut(panel) {
+  const text = view.picked === null || !panel.entries ? "" : panel.entries.map((entry) => describe(entry, view.picked)).join(" ⇄ ");
+  panel.querySelector(".readout").textContent = text;
+}
+
+function describe(entry, row) {
+  const all = decoded.get(view.model), data = entry ? decoded.get(entry) : all;
+  const parts = Object.entries(data.columns).map(([name, column]) => `${name === "error" ? "plane error" : name} ${+valueAt(column, row).toPrecision(4)}${name === "error" ? " %" : ""}`);
+  if (!entry) parts.unshift(`point ${placeOf(row).map((p, i) => +(view.model.low[i] + view.model.span[i] * p).toPrecision(7)).join(", ")}`);
   if (data.kept) parts.push(data.kept[row] ? "kept" : "removed");
   if (data.labels) parts.push(`cluster ${data.labels[row]}`);
-  if (data.curvature) parts.push(`curvature ${data.curvature[row].toPrecision(3)}`);
   if (data.features && data.features[row]) parts.push("feature");
   return parts.join(" · ");
 }
 
-function attributesOf(row) {
-  return Object.entries(view.model.attributes ?? {}).map(([name, values]) => ` · ${name} ${decodeScalar(values)[row].toPrecision(4)}`).join("");
-}
-
-// WebGL does not reach paper: in its place a picture of what each scene shows.
-function showStills(wanted) {
-  for (const still of document.querySelectorAll("#view-grid .still")) still.remove();
-  if (!wanted) return;
-  for (const scene of scenes().filter((drawn) => drawn.linked)) {
-    scene._fullLayout.scene._scene.glplot.redraw();
-    const source = scene.querySelector("canvas");
-    const still = Object.assign(document.createElement("canvas"), { className: "still", width: source.width, height: source.height });
-    still.getContext("2d").drawImage(source, 0, 0);
-    scene.after(still);
-  }
-}
-
-// --- controls -----------------------------------------------------------------------------------------
+// --- controls -------------------------------------------------------------------------------------------
 
 function fillSelect(id, options, value) {
-  const select = document.getElementById(id);
-  select.replaceChildren(...options.map(([key, text]) => new Option(text, key, false, key === value)));
-}
-
-function has(name) {
-  return (view.model.results ?? []).some((result) => result[name]);
-}
-
-function colourOptions() {
-  if (!view.model.results) {
-    const own = view.model.colors ? [["colors", "its own colours"]] : [];
-    return [...own, ["shade", "shape"], ...Object.keys(view.model.attributes ?? {}).map((name) => [name, name])];
-  }
-  const options = [["errors", "error (eq. 27)"], ["marks", has("features") ? "feature, kept, removed" : "kept, removed"]];
-  if (has("labels")) options.push(["labels", "cluster"]);
-  if (has("curvature")) options.push(["curvature", "curvature"]);
-  return options;
-}
-
-// The lowest and the highest error: what there is to see.
-function defaultMethods() {
-  const ordered = results().filter((r) => Number.isFinite(r.mean)).sort((a, b) => a.mean - b.mean);
-  return [...new Set([ordered[0], ordered.at(-1)].filter(Boolean).map((result) => result.method))];
-}
-
-// Large enough that neighbouring points touch on a surface that fills the view.
-function pointSize() {
-  const size = 2 * Math.sqrt(30000 / view.model.shown);
-  return Math.min(8, Math.max(1, Math.round(2 * size) / 2));
+  byId(id).replaceChildren(...options.map(([key, text]) => new Option(text, key, false, key === value)));
 }
 
 function chooseModel(index) {
-  view.model = models[index];
-  view.camera = null;
-  const reductions = [...new Set((view.model.results ?? []).map((result) => result.reduction))].sort();
+  view.model = view.models[index] ?? view.models[0];
+  const reductions = [...new Set((view.model.results ?? []).map((result) => result.reduction))].sort((a, b) => a - b);
   if (!reductions.includes(view.reduction)) view.reduction = reductions.at(-1) ?? null;
-  fillSelect("view-reduction", reductions.map((r) => [String(r), `${+(100 * r).toPrecision(6)} %`]), String(view.reduction));
-  view.size = pointSize();
-  document.getElementById("view-size").value = view.size;
-  const options = colourOptions();
-  if (!options.some(([key]) => key === view.colour)) view.colour = options[0][0];
-  fillSelect("view-colour", options, view.colour);
+  fillSelect("view-reduction", reductions.map((r) => [String(r), percentText(r)]), String(view.reduction));
+  const options = Object.entries(colourings());
+  if (!(view.colour in colourings())) view.colour = options[0][0];
+  fillSelect("view-colour", options.map(([key, { title }]) => [key, title]), view.colour);
   const known = new Set(results().map((result) => result.method));
   view.methods = view.methods.filter((method) => known.has(method));
-  if (!view.methods.length) view.methods = defaultMethods();
+  if (!view.methods.length) view.methods = (view.model.defaults ?? []).filter((method) => known.has(method));
   showNote();
 }
 
 function showNote() {
   const { shown, total } = view.model;
   const thinned = shown < total ? `${shown.toLocaleString("en")} of its ${total.toLocaleString("en")} points are shown, drawn at random; every number is computed from all. ` : "";
-  const linked = view.model.results ? "Drag to turn: all views turn together. " : "Drag to turn. ";
-  document.getElementById("view-note").textContent = `${thinned}${linked}Scroll or pinch to zoom; point at the cloud to read its values.`;
+  byId("view-note").textContent = `${thinned}Drag turns${view.model.results ? " all views" : ""}, the wheel or two fingers zoom, Shift or the right button shifts; a click on a point reads its values.`;
 }
 
+function percentText(share) {
+  return `${+(100 * share).toPrecision(6)} %`;
+}
+
+// One button for each result, by family; the reference is marked.
 function drawChips() {
-  const chips = results().map(({ method }) => {
-    const button = document.createElement("button");
-    button.type = "button";
-    button.textContent = method;
-    button.setAttribute("aria-pressed", view.methods.includes(method));
-    button.addEventListener("click", () => toggleView(method));
-    return button;
-  });
-  document.getElementById("view-methods").replaceChildren(...chips);
+  const families = Object.groupBy(results(), ({ method }) => page.methods[method]?.family || "other");
+  const chips = Object.entries(families).flatMap(([family, group]) => [
+    element("span", { className: "family", textContent: family }),
+    ...group.map(({ method }) => {
+      const button = element("button", { type: "button", textContent: method + (method === page.reference ? " (reference)" : "") });
+      button.setAttribute("aria-pressed", view.methods.includes(method));
+      button.addEventListener("click", () => toggleView(method));
+      return button;
+    }),
+  ]);
+  const focused = [...byId("view-methods").children].indexOf(document.activeElement);
+  byId("view-methods").replaceChildren(...chips);
+  if (focused >= 0) byId("view-methods").children[focused]?.focus();
 }
 
-// A seventh view takes the place of the one chosen first.
+// A view too many takes the place of the one chosen first.
 function toggleView(method) {
   const others = view.methods.filter((name) => name !== method);
   view.methods = others.length < view.methods.length ? others : [...others, method].slice(1 - MOST_VIEWS);
-  drawViews();
+  showViews();
 }
 
-function drawLegend() {
-  const legend = document.getElementById("view-legend");
-  const cmax = view.model.scales?.[reductionKey()];
-  legend.replaceChildren();
-  if (view.colour === "errors" && cmax) {
-    const bar = Object.assign(document.createElement("span"), { className: "bar" });
-    const where = view.keptOnly ? " Only the points kept are shown: what was lost lies between them." : "";
-    legend.append("0", bar, `${+cmax.toPrecision(2)} % of the diagonal and above: distance of each original point to the plane through its nearest kept points, one scale for all views.${where}`);
-  } else if (view.colour === "marks") {
-    for (const [name, colour] of Object.entries(MARK_COLOURS)) if (name !== "feature" || has("features")) legend.append(legendKey(name, colour));
-  } else if (view.colour === "curvature") legend.append(`Absolute curvature: dark is flat, bright is curved; the scale ends at the 95th percentile. ${GREY_NOTE}`);
-  else if (view.colour === "labels") legend.append(`The clusters of each method, ten colours in turn. ${GREY_NOTE}`);
-}
-
-function legendKey(name, colour) {
-  const item = document.createElement("span");
-  const dot = Object.assign(document.createElement("span"), { className: "key" });
-  dot.style.background = colour;
-  item.append(dot, name);
-  return item;
-}
-
-// Until what was drawn is on the screen: a callback before the next frame, and a turn after it.
-function nextFrame() {
-  return new Promise((shown) => requestAnimationFrame(() => setTimeout(shown)));
-}
-
-// Draw what is chosen, each view on the screen before work on the next one begins; panels that are still wanted stay, so that their WebGL context is used again.
-// A newer choice ends an older drawing.
-let turn = 0;
-async function drawViews() {
-  if (!view.model) return;
-  const mine = ++turn;
-  drawChips();
-  drawLegend();
-  const wanted = [null, ...view.methods.map((method) => results().find((result) => result.method === method)).filter(Boolean)];
-  for (const scene of scenes()) {
-    if (!wanted.includes(scene.result)) {
-      Plotly.purge(scene);
-      scene.parentNode.remove();
-    }
-  }
-  for (const result of wanted) {
-    const scene = scenes().find((other) => other.result === result) ?? makePanel(result);
-    await drawScene(scene);
-    await nextFrame();
-    if (mine !== turn) return;
-  }
-  document.getElementById("view-grid").dataset.drawn = wanted.length;
-}
-
-function resetCamera() {
-  view.camera = null;
-  const camera = CAMERAS[view.model.up];
-  return Promise.all(scenes().map((scene) => Plotly.relayout(scene, { "scene.camera": camera })));
+// A row of the table: its model, reduction and method.
+function openView(name, reduction, method) {
+  const index = view.models.findIndex((model) => model.name === name);
+  if (index < 0) return;
+  if (view.models[index] !== view.model) Object.assign(view, { ends: null, picked: null, fitted: false });
+  view.reduction = reduction;
+  if (!view.methods.includes(method)) view.methods = [...view.methods, method].slice(1 - MOST_VIEWS);
+  byId("view-model").value = String(index);
+  chooseModel(index);
+  showViews();
+  byId("views").scrollIntoView({ behavior: "smooth" });
 }
 
 function onChoice(id, act) {
-  document.getElementById(id).addEventListener("change", (event) => {
+  byId(id).addEventListener("input", (event) => {
     act(event.target.value);
-    drawViews();
+    showViews();
   });
 }
 
-async function startViews() {
-  models = JSON.parse(document.getElementById("view-data").textContent);
-  if (!models.length) return;
-  fillSelect("view-model", models.map((model, i) => [String(i), model.name]), "0");
-  chooseModel(0);
-  for (const item of document.querySelectorAll(".of-results")) item.hidden = !view.model.results;
-  onChoice("view-model", (value) => {
-    for (const scene of scenes()) { Plotly.purge(scene); scene.parentNode.remove(); }
-    chooseModel(Number(value));
-  });
-  onChoice("view-reduction", (value) => {
-    view.reduction = Number(value);
-    if (!view.methods.some((method) => results().some((result) => result.method === method))) view.methods = defaultMethods();
-  });
-  onChoice("view-colour", (value) => (view.colour = value));
+function startControls() {
+  onChoice("view-model", (value) => { Object.assign(view, { ends: null, picked: null, fitted: false }); chooseModel(Number(value)); });
+  onChoice("view-reduction", (value) => { Object.assign(view, { reduction: Number(value), ends: null }); chooseModel(view.models.indexOf(view.model)); });
+  onChoice("view-colour", (value) => Object.assign(view, { colour: value, ends: null }));
   onChoice("view-points", (value) => (view.keptOnly = value === "kept"));
-  onChoice("view-size", (value) => (view.size = Number(value)));
-  document.getElementById("view-reset").addEventListener("click", resetCamera);
-  await drawViews();
+  onChoice("view-layout", (value) => { view.layout = value; byId("view-swipe").parentNode.hidden = value !== "swipe"; });
+  byId("view-size").addEventListener("input", (event) => { view.size = Number(event.target.value); keepState(); requestDraw(); });
+  byId("view-swipe").addEventListener("input", (event) => { view.swipe = Number(event.target.value); keepState(); requestDraw(); });
+  byId("view-fit").addEventListener("click", () => { fit(); keepState(); requestDraw(); });
+  addEventListener("keydown", (event) => event.key === "Escape" && view.full !== null && fillWindow(null));
+  addEventListener("resize", requestDraw);
+}
+
+async function startViews() {
+  view.models = readData("view-data");
+  if (!view.models.length) return;
+  fillSelect("view-model", view.models.map((model, i) => [String(i), model.name]), "0");
+  const able = startGL();
+  byId("view-still").hidden = able;
+  byId("view-live").hidden = !able;
+  if (!able) return;
+  readState();
+  for (const item of document.querySelectorAll(".of-results")) item.hidden = !view.model.results;
+  startControls();
+  startScale();
+  await showViews();
 }
