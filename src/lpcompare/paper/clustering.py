@@ -11,21 +11,21 @@ import warnings
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 from sklearn.cluster import KMeans
 from sklearn.exceptions import ConvergenceWarning
 from sklearn.metrics import pairwise_distances_argmin
 from threadpoolctl import threadpool_limits
 
-from lpcompare.threads import Progress, map_in_threads
+from lpcompare.threads import BLOCK, Progress, for_blocks
 from lpcompare.types import Indices, Points, Vector
 
 FIT_LIMIT = 50_000
 """Larger clouds are fitted on a random subsample of this many points and the fit is applied to all."""
 
 _START_LIMIT = 16_000
-_BLOCK = 4096
-_TINIEST = 1e-280
+_NEGLIGIBLE = 37.0
 _LOST = 1e-6
 _PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 
@@ -129,17 +129,15 @@ def cluster_points(
         labels = start_labels(points[rows], n_clusters, rng) if start is None else start[rows]
         labels = np.unique(labels, return_inverse=True)[1]
         rule = _Rule(tolerance, max_iterations, regularization)
-        mixture = _expectation_maximization(_features(points[rows]), labels, rule, progress)
+        mixture = _expectation_maximization(points[rows], labels, rule, progress)
         return replace(mixture, labels=assign(points, mixture))
 
 
 def assign(points: Points, mixture: Mixture) -> Indices:
     """The most probable component of each point: ndarray of int, shape (n,)."""
-    coefficients = _log_density_coefficients(mixture)
-    blocks = [points[i : i + _BLOCK] for i in range(0, len(points), _BLOCK)]
-    return np.concatenate(
-        map_in_threads(lambda block: np.argmax(_features(block) @ coefficients, axis=1), blocks)
-    )
+    coefficients, labels = _log_density_coefficients(mixture), np.empty(len(points), dtype=np.intp)
+    for_blocks(len(points), lambda block: assign_block(points[block], coefficients, labels[block]))
+    return labels
 
 
 def start_labels(points: Points, n_clusters: int, rng: np.random.Generator) -> Indices:
@@ -160,18 +158,17 @@ def _fitted_rows(n_points: int, limit: int, rng: np.random.Generator) -> slice |
 
 
 def _expectation_maximization(
-    features: NDArray[np.float64], labels: Indices, rule: _Rule, progress: Progress | None
+    points: Points, labels: Indices, rule: _Rule, progress: Progress | None
 ) -> Mixture:
-    blocks = [features[i : i + _BLOCK] for i in range(0, len(features), _BLOCK)]
-    mixture = _maximize(_hard_sums(features, labels), labels, rule)
+    mixture = _maximize(_hard_sums(_features(points), labels), labels, rule)
     history: list[float] = []
     for iteration in range(1, rule.max_iterations + 1):
-        sums, log_likelihood = _expect(blocks, mixture)
+        sums, log_likelihood = _expect(points, mixture)
         mixture = _maximize(sums, labels, rule)
         history.append(log_likelihood)
         if progress:
             progress(iteration, rule.max_iterations)
-        if len(history) > 1 and abs(history[-1] - history[-2]) < rule.tolerance * len(features):
+        if len(history) > 1 and abs(history[-1] - history[-2]) < rule.tolerance * len(points):
             return replace(mixture, log_likelihoods=np.array(history), converged=True)
     return replace(mixture, log_likelihoods=np.array(history))
 
@@ -201,30 +198,67 @@ def _log_density_coefficients(mixture: Mixture) -> NDArray[np.float64]:
     return np.ascontiguousarray(rows.T, dtype=np.float64)
 
 
-def _expect(blocks: list[NDArray[np.float64]], mixture: Mixture) -> tuple[NDArray[np.float64], float]:
+def _expect(points: Points, mixture: Mixture) -> tuple[NDArray[np.float64], float]:
     """Eqs. 1 and 5: the sums over points of responsibility x monomial, (K, 10), and the log-likelihood."""
-    coefficients = _log_density_coefficients(mixture)
-    parts = map_in_threads(lambda block: _expect_block(block, coefficients), blocks)
-    return np.sum([sums for sums, _ in parts], axis=0), float(sum(value for _, value in parts))
+    coefficients, n_blocks = _log_density_coefficients(mixture), -(-len(points) // BLOCK)
+    sums, totals = np.zeros((n_blocks, *coefficients.T.shape)), np.zeros(n_blocks)
+
+    def expect(block: slice) -> None:
+        at = block.start // BLOCK
+        totals[at] = expect_block(points[block], coefficients, sums[at])
+
+    for_blocks(len(points), expect)
+    return sums.sum(axis=0), float(totals.sum())
 
 
-def _expect_block(
-    features: NDArray[np.float64], coefficients: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], float]:
-    """One block of `_expect`; rows so far out that every density underflows are shifted by their maximum."""
-    densities = features @ coefficients
-    np.exp(densities, out=densities)
-    totals = densities @ np.ones(len(coefficients.T))
-    shifts = 0.0
-    far = np.flatnonzero(totals < _TINIEST)
-    if len(far):
-        logits = features[far] @ coefficients
-        largest = logits.max(axis=1)
-        densities[far] = np.exp(logits - largest[:, None])
-        totals[far] = densities[far].sum(axis=1)
-        shifts = float(largest.sum())
-    sums = densities.T @ (features / totals[:, None])
-    return sums, float(np.log(totals).sum()) + shifts
+@njit(cache=True, nogil=True)
+def _log_densities(x, y, z, coefficients, logits):
+    """Log w_c p(x|c) of one point for every component; the most probable of them is returned."""
+    best = 0
+    for c in range(len(logits)):
+        linear = coefficients[0, c] + x * coefficients[1, c] + y * coefficients[2, c] + z * coefficients[3, c]
+        square = x * x * coefficients[4, c] + y * y * coefficients[5, c] + z * z * coefficients[6, c]
+        cross = x * y * coefficients[7, c] + x * z * coefficients[8, c] + y * z * coefficients[9, c]
+        logits[c] = linear + square + cross
+    for c in range(1, len(logits)):
+        if logits[c] > logits[best]:
+            best = c
+    return best
+
+
+@njit(cache=True, nogil=True)
+def expect_block(points, coefficients, sums):
+    """Add responsibility x monomial of a block to ``sums`` (K, 10); its log-likelihood.
+
+    Responsibilities below the rounding of one are left out.
+    """
+    shares, chosen = np.empty(coefficients.shape[1]), np.empty(coefficients.shape[1], np.int64)
+    log_likelihood = 0.0
+    for i in range(len(points)):
+        x, y, z = points[i, 0], points[i, 1], points[i, 2]
+        best = _log_densities(x, y, z, coefficients, shares)
+        largest, total, n_chosen = shares[best], 0.0, 0
+        for c in range(len(shares)):
+            if shares[c] > largest - _NEGLIGIBLE:
+                shares[c] = np.exp(shares[c] - largest) if c != best else 1.0
+                total += shares[c]
+                chosen[n_chosen] = c
+                n_chosen += 1
+        log_likelihood += largest + np.log(total)
+        monomials = 1.0, x, y, z, x * x, y * y, z * z, x * y, x * z, y * z
+        for c in chosen[:n_chosen]:
+            share = shares[c] / total
+            for j in range(10):
+                sums[c, j] += share * monomials[j]
+    return log_likelihood
+
+
+@njit(cache=True, nogil=True)
+def assign_block(points, coefficients, labels):
+    """The most probable component of every point of a block, the first among equals."""
+    logits = np.empty(coefficients.shape[1])
+    for i in range(len(points)):
+        labels[i] = _log_densities(points[i, 0], points[i, 1], points[i, 2], coefficients, logits)
 
 
 def _hard_sums(features: NDArray[np.float64], labels: Indices) -> NDArray[np.float64]:

@@ -161,17 +161,18 @@ def _select_from_starts(
     progress: Progress | None,
     cancelled: Event,
 ) -> list[tuple[Mask, Certificate]]:
-    """Give HiGHS a starting solution of every cluster; what it returns is improved and certified."""
+    """Give HiGHS a starting solution of every cluster where no bound proves it optimal already."""
     starts = map_in_threads(
         lambda item: _start(*item), zip(programmes, generators, strict=True), None, cancelled
     )
-    blocks = _blocks([p.within_reach() for p in programmes if not p.trivial])
+    pairs = list(zip(programmes, starts, strict=True))
+    blocks = _blocks([p.within_reach() for p, (_, certificate) in pairs if not certificate.proven])
 
     def solve(item: tuple[Programme, tuple[Mask, Certificate], _Block | None]) -> tuple[Mask, Certificate]:
         programme, start, block = item
         return start if block is None else _improve(programme, start, block, settings, cancelled)
 
-    items = zip(programmes, starts, (None if p.trivial else next(blocks) for p in programmes), strict=True)
+    items = [(p, start, None if start[1].proven else next(blocks)) for p, start in pairs]
     return map_in_threads(solve, items, progress, cancelled)
 
 
@@ -239,15 +240,14 @@ def _improve(
     outcome = block.problem.solve_from(
         block.columns,
         np.append(mask, [1.0, objective]),
-        objective_target=(objective if first.proven else first.bound) + TOLERANCE * reach.density,
+        objective_target=first.bound + TOLERANCE * reach.density,
         time_limit=settings.time_limit,
         gap=settings.gap,
         cancelled=cancelled,
     )
     found = exchange(costs, _rounded(outcome.values[:-2], n_keep), goal.wanted)
     best = min((mask, found), key=lambda chosen: goal.objective(costs[chosen]))
-    bounds = {first.proof: first.bound} if first.proven else {"solver": outcome.bound}
-    return best, certify(costs, best, goal, outcome.status, bounds)
+    return best, certify(costs, best, goal, outcome.status, {"solver": outcome.bound})
 
 
 def _select_cold(programme: Programme, settings: SolverSettings) -> tuple[Mask, Certificate]:

@@ -42,6 +42,7 @@ from scipy.sparse import csr_array
 
 from lpcompare.paper.highs import Canonical
 from lpcompare.types import Indices, Mask, Vector
+from lpcompare.uniform.quadrics import cheapest_of_each
 
 _EXCESS_PRICE = 100.0
 _MULTIPLIER_STEPS = 60
@@ -157,12 +158,13 @@ def select_one_per_cell(
         The solver ended without a selection.
     """
     n_keep = int(cells.max()) + 1
-    order = np.argsort(cells, kind="stable")
-    cheapest = float(costs[_cheapest(costs, cells, order)].sum())
-    model = _Model(costs / (cheapest or 1.0), cells, order, inverse_distances / n_keep, tolerance)
-    start, bound = _relaxed_choice(model)
-    chosen, status, solver_bound = _solve(model, start, bound, stop, cancelled)
-    bound = max(bound, solver_bound)
+    cheapest = float(costs[cheapest_of_each(costs, cells, n_keep)].sum())
+    model = _Model(costs / (cheapest or 1.0), cells, n_keep, inverse_distances / n_keep, tolerance)
+    chosen, bound = _relaxed_choice(model)
+    status = "optimal"
+    if model.objective(chosen) > bound * (1 + stop.gap):
+        chosen, status, solver_bound = _solve(model, chosen, bound, stop, cancelled)
+        bound = max(bound, solver_bound)
     mask = np.zeros(len(costs), dtype=bool)
     mask[chosen] = True
     reduced, cost = float(model.rows[chosen].sum()), model.objective(chosen)
@@ -177,9 +179,13 @@ class _Model:
 
     costs: Vector
     cells: Indices
-    order: Indices
+    n_keep: int
     rows: Vector
     tolerance: float
+
+    def cheapest(self, costs: Vector) -> Indices:
+        """The candidate of least cost in each cell."""
+        return cheapest_of_each(costs, self.cells, self.n_keep)
 
     def deviation(self, chosen: Indices) -> float:
         """D_cr - D_c: Z of eq. 14 with its sign."""
@@ -195,8 +201,7 @@ class _Model:
 
 def build_programme(model: _Model) -> cp.Problem:
     """The boolean programme of one cluster; its variables are ``x`` (nc + 1), ``y`` and ``e``."""
-    n_points = len(model.costs)
-    n_keep = int(model.cells.max()) + 1
+    n_points, n_keep = len(model.costs), model.n_keep
     x = cp.Variable(n_points + 1, boolean=True, name="x")  # eq. 26
     y, e = cp.Variable(name="y", nonneg=True), cp.Variable(name="e", nonneg=True)
     row = np.append(model.rows, -1.0)  # eq. 20, divided by D_c
@@ -231,20 +236,13 @@ def _solve(
         gap=stop.gap,
         cancelled=cancelled,
     )
-    found = _cheapest(-outcome.values[:-3], model.cells, model.order)
+    found = model.cheapest(-outcome.values[:-3])
     return min(start, found, key=model.objective), outcome.status, outcome.bound
-
-
-def _cheapest(costs: Vector, cells: Indices, order: Indices) -> Indices:
-    """The candidate of least cost in each cell, the first among equals; ``order`` sorts by cell."""
-    ranked = order[np.lexsort((costs[order], cells[order]))]
-    first = np.flatnonzero(np.diff(cells[ranked], prepend=-1))
-    return ranked[first]
 
 
 def _relaxed_choice(model: _Model) -> tuple[Indices, float]:
     """A choice from the Lagrangian of the density row, and the best bound that its multipliers give."""
-    chosen = _cheapest(model.costs, model.cells, model.order)
+    chosen = model.cheapest(model.costs)
     bound = float(model.costs[chosen].sum())
     side = np.sign(model.deviation(chosen))
     if model.excess(chosen) == 0:
@@ -254,7 +252,7 @@ def _relaxed_choice(model: _Model) -> tuple[Indices, float]:
     for _ in range(_MULTIPLIER_STEPS):
         multiplier = (low + high) / 2
         priced = model.costs + multiplier * side * model.rows
-        chosen = _cheapest(priced, model.cells, model.order)
+        chosen = model.cheapest(priced)
         bound = max(bound, float(priced[chosen].sum()) - multiplier * (side + model.tolerance))
         if side * model.deviation(chosen) > model.tolerance:
             low, outside = multiplier, chosen
