@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import lpcompare as lp
@@ -31,6 +31,7 @@ def some_quadric(rng, n_planes=5):
     return np.concatenate([matrix[UPPER], offsets @ normals, [offsets @ offsets]]), normals, offsets
 
 
+@settings(deadline=None)
 @given(st.integers(0, 1000))
 def test_a_tangent_quadric_is_the_squared_distance_to_the_planes_of_the_edges(seed):
     rng = np.random.default_rng(seed)
@@ -46,6 +47,7 @@ def test_a_tangent_quadric_is_the_squared_distance_to_the_planes_of_the_edges(se
     assert value(found, x) == pytest.approx(expected)
 
 
+@settings(deadline=None)
 @given(st.integers(0, 1000))
 def test_a_shifted_quadric_has_the_same_values_at_the_same_places(seed):
     rng = np.random.default_rng(seed)
@@ -54,6 +56,7 @@ def test_a_shifted_quadric_has_the_same_values_at_the_same_places(seed):
     assert value(shifted(quadric, offset), x - offset) == pytest.approx(value(quadric, x))
 
 
+@settings(deadline=None)
 @given(st.integers(0, 1000), st.integers(1, 6))
 def test_the_least_value_is_that_of_the_least_squares_problem(seed, n_planes):
     quadric, normals, offsets = some_quadric(np.random.default_rng(seed), n_planes)
@@ -64,6 +67,7 @@ def test_the_least_value_is_that_of_the_least_squares_problem(seed, n_planes):
     assert value(quadric, place) == pytest.approx(found, abs=1e-6)
 
 
+@settings(deadline=None)
 @given(st.integers(0, 1000), st.integers(20, 200))
 def test_costs_never_decrease(seed, n):
     points = np.random.default_rng(seed).normal(size=(n, 3)) * [2.0, 1.0, 0.1]
