@@ -6,85 +6,20 @@ that large coordinates cost no digits. It is kept as ten numbers: xx, xy, xz, yy
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from heapq import heapify, heappop, heappush
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-from lpcompare.geometry.neighbors import Neighbors
-from lpcompare.geometry.planes import fit_planes
-from lpcompare.geometry.scale import bounding_box_center
-from lpcompare.types import Indices, Mask, Points, Vector
-
-NORMAL_NEIGHBORS = 12
-MOST_NEIGHBORS = 16
-FLAT_SHARE = 1e-3
-_ROUNDING = 1e-12
+ROUNDING = 1e-12
 """Share of the largest eigenvalue, and of the mean squared length of a pair, that is rounding."""
-
-
-@dataclass
-class Contraction:
-    """A cloud after its contractions.
-
-    Attributes
-    ----------
-    points : ndarray, shape (n, 3)
-        Where each row of the input is now, about the centre of the input's bounding box.
-    alive : ndarray of bool, shape (n,)
-        Rows that were not contracted into another one.
-    quadrics : ndarray, shape (n, 10)
-        Of the living rows, the sum of the quadrics of all that went into them.
-    costs : ndarray, shape (n - target_count,)
-        Cost of each contraction, in order.
-    """
-
-    points: Points
-    alive: Mask
-    quadrics: NDArray[np.float64]
-    costs: Vector
-
-
-def contract_pairs(points: Points, target_count: int, n_neighbors: int, *, subset: bool) -> Contraction:
-    """Contract pairs of a cloud until ``target_count`` rows are left; the parameters are the method's.
-
-    When no pair is left because the rest lies apart, pairs are made anew from the nearest living rows.
-    """
-    places = points - bounding_box_center(points)
-    nearest = Neighbors(places).query(places, max(n_neighbors, NORMAL_NEIGHBORS) + 1)[1]
-    normals = fit_planes(places[nearest[:, : NORMAL_NEIGHBORS + 1]])[1]
-    nearest = nearest[:, : n_neighbors + 1]
-    quadrics = tangent_quadrics(places, normals, nearest)
-    alive, living = np.ones(len(places), dtype=np.bool_), np.arange(len(places))
-    costs, done = np.empty(len(places) - target_count), 0
-    while done < len(costs):
-        pairs, lengths = _pairs(places, living, nearest)
-        neighbors = np.zeros((len(places), MOST_NEIGHBORS), dtype=np.intp)
-        degrees = np.zeros(len(places), dtype=np.intp)
-        link(pairs, neighbors, degrees)
-        floor = _ROUNDING * float(np.square(lengths).mean())
-        done += contract(places, quadrics, neighbors, degrees, alive, costs[done:], subset, FLAT_SHARE, floor)
-        living = np.flatnonzero(alive)
-        nearest = Neighbors(places[living]).query(places[living], n_neighbors + 1)[1]
-    return Contraction(places, alive, quadrics, costs)
-
-
-def _pairs(points: Points, living: Indices, nearest: NDArray[np.intp]) -> tuple[NDArray[np.intp], Vector]:
-    """Each pair of a living row and one of its nearest, shape (p, 2), the shortest first; their lengths."""
-    ends = np.stack(np.broadcast_arrays(np.arange(len(living))[:, None], nearest), axis=2).reshape(-1, 2)
-    pairs = living[np.unique(np.sort(ends[ends[:, 0] != ends[:, 1]], axis=1), axis=0)]
-    lengths = np.linalg.norm(points[pairs[:, 0]] - points[pairs[:, 1]], axis=1)
-    order = np.argsort(lengths, kind="stable")
-    return pairs[order], lengths[order]
 
 
 @njit(cache=True)
 def tangent_quadrics(points, normals, neighbors):
     """Sum of the squared distances to the planes through a point that hold an edge and stand on the surface.
 
-    The plane of the edge e to a neighbour is spanned by e and e x n; its unit normal is the part of the
+    The plane of the edge e to a neighbor is spanned by e and e x n; its unit normal is the part of the
     point's normal n that is orthogonal to e (Pauly, Gross and Kobbelt 2002, section 3.2). An edge along n has
     no such plane.
 
@@ -108,7 +43,7 @@ def tangent_quadrics(points, normals, neighbors):
                 continue
             plane = normals[row] - (normals[row] * edge).sum() / length * edge
             size = np.dot(plane, plane)
-            if size < _ROUNDING:
+            if size < ROUNDING:
                 continue
             entry = 0
             for i in range(3):
@@ -173,7 +108,7 @@ def _entry(points, quadrics, stamps, first, second, subset, floor):
     if subset:
         cost = min(_end_values(points, quadrics, first, second))
     else:
-        cost = least(_at_middle(points, quadrics, first, second), _ROUNDING, np.empty(3))
+        cost = least(_at_middle(points, quadrics, first, second), ROUNDING, np.empty(3))
     step = points[second] - points[first]
     return max(cost, floor), np.dot(step, step), first, second, stamps[first], stamps[second]
 
@@ -201,7 +136,7 @@ def link(pairs, neighbors, degrees):
 
 @njit(cache=True)
 def _inherit(points, neighbors, degrees, kept, gone):
-    """Give the kept row the neighbours of both, at most as many as fit, the nearest ones."""
+    """Give the kept row the neighbors of both, at most as many as fit, the nearest ones."""
     room = neighbors.shape[1]
     found = np.empty(2 * room, dtype=np.intp)
     n_found = 0
@@ -228,7 +163,7 @@ def _inherit(points, neighbors, degrees, kept, gone):
 
 @njit(cache=True)
 def contract(points, quadrics, neighbors, degrees, alive, costs, subset, smallest, floor):
-    """Contract the cheapest pair of neighbours, again and again; everything is changed in place.
+    """Contract the cheapest pair of neighbors, again and again; everything is changed in place.
 
     Parameters
     ----------
@@ -236,7 +171,7 @@ def contract(points, quadrics, neighbors, degrees, alive, costs, subset, smalles
     quadrics : ndarray, shape (n, 10)
         Those of the rows; the one that is kept of a pair gets the sum.
     neighbors : ndarray of int, shape (n, room)
-        Each row stands in the lists of its neighbours.
+        Each row stands in the lists of its neighbors.
     degrees : ndarray of int, shape (n,)
         Length of each list.
     alive : ndarray of bool, shape (n,)

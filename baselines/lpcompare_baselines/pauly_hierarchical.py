@@ -2,9 +2,9 @@
 
 Pauly, Gross and Kobbelt, Efficient simplification of point-sampled surfaces, Visualization 2002, section 3.1.
 A cluster C is split when it holds more than n_max points, or when its surface variation (eq. 5: the least
-eigenvalue of the covariance over the sum of all three) is above sigma_max. The plane of the split goes through
-the mean, normal to the eigenvector of the largest eigenvalue. The mean of what is not split is a point of the
-result.
+eigenvalue of the covariance over the sum of all three) is above sigma_max. The plane of the split goes
+through the mean, normal to the eigenvector of the largest eigenvalue. The mean of what is not split is a point
+of the result.
 
 For an exact count the publication keeps the clusters in a queue. What it leaves open is decided here:
 

@@ -46,6 +46,8 @@ def pauly_hierarchical_subset(
     Simplification
         A subset of the input.
     """
-    centred = points - bounding_box_center(points)
-    indices = nearest_members(centred, *split_clusters(centred, target_count, queue, max_size, max_variation))
+    centered = points - bounding_box_center(points)
+    indices = nearest_members(
+        centered, *split_clusters(centered, target_count, queue, max_size, max_variation)
+    )
     return Simplification(points[indices], indices)

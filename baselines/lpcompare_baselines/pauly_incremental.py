@@ -2,9 +2,9 @@
 
 Pauly, Gross and Kobbelt, Efficient simplification of point-sampled surfaces, Visualization 2002, section 3.1.
 A cluster begins with a seed and takes its nearest points until it has n_max of them, or until its surface
-variation (eq. 5) is above sigma_max. The next seed is a neighbour of the cluster. Clusters that are left
-with less than half of both bounds are dissolved: each of their points goes to the cluster of the nearest mean.
-The mean of a cluster is a point of the result. So the result is as dense as the input, in proportion.
+variation (eq. 5) is above sigma_max. The next seed is a neighbor of the cluster. Clusters that did not reach
+half of either bound are dissolved: each of their points goes to the cluster of the nearest mean. The mean of a
+cluster is a point of the result. So the result is as dense as the input, in proportion.
 
 What the publication leaves open is decided here:
 
@@ -25,6 +25,7 @@ from heapq import heappop, heappush
 import numpy as np
 from numba import njit
 
+from lpcompare.geometry.graphs import nearest_others
 from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.geometry.scale import bounding_box_center
 from lpcompare.types import Indices, Points, Simplification, Traits, Vector
@@ -72,7 +73,7 @@ def grow_clusters(
     points: Points, target_count: int, max_variation: float, rng: np.random.Generator
 ) -> Indices:
     """Cluster of each point, shape (n,), from 0 to ``target_count`` - 1."""
-    neighbors = Neighbors(points).query(points, _NEIGHBORS + 1)[1]
+    neighbors = nearest_others(points, _NEIGHBORS)[1]
     seed = int(rng.integers(len(points)))
     low, high = 1.0, max(1.0, _LARGEST * len(points) / target_count)
     labels, kept = np.arange(len(points)), np.arange(len(points))
@@ -108,7 +109,7 @@ def _dissolve(points: Points, labels: Indices, kept: Indices) -> Indices:
 
 @njit(cache=True)
 def _grow(points, neighbors, seed, size, max_variation):
-    """Cluster of each point, shape (n,), and the surface variation of each cluster; strays are clusters too."""
+    """Cluster of each point, shape (n,), strays among them, and the surface variation of each cluster."""
     n = len(points)
     labels, touched = np.full(n, -1), np.full(n, -1)
     variations = np.zeros(n)

@@ -39,7 +39,7 @@ def pauly_incremental_subset(
     Simplification
         A subset of the input.
     """
-    centred = points - bounding_box_center(points)
-    labels = grow_clusters(centred, target_count, max_variation, rng)
-    indices = nearest_members(centred, labels, cluster_means(centred, labels))
+    centered = points - bounding_box_center(points)
+    labels = grow_clusters(centered, target_count, max_variation, rng)
+    indices = nearest_members(centered, labels, cluster_means(centered, labels))
     return Simplification(points[indices], indices)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from lpcompare.types import Points, Simplification, Traits
-from lpcompare_baselines._contraction import contract_pairs
+from lpcompare_baselines.pauly_iterative import contract_pairs
 
 TRAITS = Traits(
     source="Pauly, Gross and Kobbelt, Efficient simplification of point-sampled surfaces, Visualization 2002",

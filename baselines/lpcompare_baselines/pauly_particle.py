@@ -18,16 +18,17 @@ What the publication leaves open, or contradicts itself in, is decided here:
   each other.
 - r = 1.2 sqrt(A / m) for m particles, with A the sum of all areas. As printed the force is greatest at r / 2:
   with the 2 sqrt(A / m) of Turk, whose force is not weaker nearby, pairs of particles fall together. The
-  factor k is 1 / (2 r): one neighbour at r / 2 moves a particle by r / 8. No move is longer than r / 4. It ends
-  when the mean move is below r / 1000, or after 60 rounds. Of the particles closer than r the nearest 16 count.
+  factor k is 1 / (2 r): one neighbor at r / 2 moves a particle by r / 8. No move is longer than r / 4. It
+  ends when the mean move is below r / 1000, or after 60 rounds. Of the particles closer than r the nearest 16
+  count.
 - A particle may not leave the nearest point by more than the width of that point's area, sqrt(a): otherwise
   particles would drift over open rims.
 - Adaptive: the publication scales r with the inverse of the surface variation, which is 0 on planes. Here r
   is multiplied by f = mean variation / variation of the nearest point, kept from 2/3 to 3/2, with variations
-  of 20 points; the sum of the squares of all r stays the same. As printed, the draw would take fewer particles
-  from curved places; here a point is drawn in proportion to a / f^2.
-- The projection fits a plane to the 16 nearest points in 3 rounds of `lpcompare.geometry.surface.moving_planes`,
-  and then a weighted quadratic height over it.
+  of 20 neighbors; the sum of the squares of all r stays the same. As printed, the draw would take fewer
+  particles from curved places; here a point is drawn in proportion to a / f^2.
+- The projection fits a plane to the 16 nearest points in 3 rounds, and then a weighted quadratic height over
+  it.
 """
 
 from __future__ import annotations
@@ -36,11 +37,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpcompare.geometry.frames import tangents
+from lpcompare.geometry.graphs import nearest_others
+from lpcompare.geometry.moving_planes import moving_planes
 from lpcompare.geometry.neighbors import Neighbors
-from lpcompare.geometry.planes import fit_planes
 from lpcompare.geometry.scale import bounding_box_center
-from lpcompare.geometry.surface import moving_planes, surface_variation
 from lpcompare.types import Indices, Points, Simplification, Traits, Vector
+from lpcompare_baselines._hoods import normals_and_variation
 
 TRAITS = Traits(
     source="Pauly, Gross and Kobbelt, Efficient simplification of point-sampled surfaces, Visualization 2002",
@@ -102,20 +104,20 @@ class _Surface:
 
     def __init__(self, points: Points, adaptive: bool) -> None:
         self.points, self.neighbors = points, Neighbors(points)
-        distances, nearest = self.neighbors.query(points, _VARIATION_NEIGHBORS)
-        n_area = min(_AREA_NEIGHBORS, distances.shape[1] - 1)
-        self.areas = np.pi * np.square(distances[:, n_area]) / max(n_area, 1)
+        distances, nearest = nearest_others(points, _VARIATION_NEIGHBORS)
+        squared = np.square(distances[:, :_AREA_NEIGHBORS])
+        self.areas = np.pi * squared.max(axis=1, initial=0.0) / max(squared.shape[1], 1)
         self.area = float(self.areas.sum())
-        self.normals = fit_planes(points[nearest[:, : n_area + 1]])[1]
+        self.normals = normals_and_variation(points, nearest[:, :_AREA_NEIGHBORS])[0]
         self.factors = np.ones(len(points))
         if adaptive:
-            variation = surface_variation(points[nearest])
-            inverse = np.divide(variation, variation.mean(), where=variation > 0, out=np.zeros(len(points)))
-            self.factors = 1 / np.clip(inverse, 1 / _WIDEST, _WIDEST)
+            variation = normals_and_variation(points, nearest)[1]
+            relative = variation / max(float(variation.mean()), np.finfo(float).tiny)
+            self.factors = 1 / np.clip(relative, 1 / _WIDEST, _WIDEST)
 
     def draw(self, n_particles: int, rng: np.random.Generator) -> Points:
         """Starts, shape (m, 3): points in proportion to their share of the area, moved a little."""
-        order = self.neighbors.spatial_order
+        order = self.neighbors.order.astype(np.intp)
         shares = np.cumsum((self.areas / np.square(self.factors))[order])
         steps = (np.arange(n_particles) + rng.uniform()) / n_particles
         rows = order[np.searchsorted(shares, steps * shares[-1])] if shares[-1] > 0 else order[:n_particles]
@@ -155,7 +157,7 @@ class _Surface:
 
 
 def _heights(offsets: NDArray[np.float64], normals: Points, widths: Vector) -> Vector:
-    """Height of the weighted quadratic through each neighbourhood (m, k, 3) at its origin, along the normal."""
+    """Height of the weighted quadratic through each neighborhood (m, k, 3) at its origin, along the normal."""
     widths = np.where(widths > 0, widths, 1.0)
     first, second = tangents(normals.T)
     u = np.einsum("mki,im->mk", offsets, first) / widths[:, None]

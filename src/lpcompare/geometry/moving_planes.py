@@ -1,4 +1,4 @@
-"""The surface that a cloud stands for: its variation at a point, and the moving least squares plane there."""
+"""The moving least squares plane of a cloud at a place."""
 
 from __future__ import annotations
 
@@ -14,37 +14,13 @@ _ENTRIES = 0, 4, 8, 1, 2, 5
 """Where xx, yy, zz, xy, xz, yz stand in a flattened matrix."""
 
 
-def surface_variation(neighborhoods: NDArray[np.float64]) -> Vector:
-    """Least eigenvalue of each neighbourhood's covariance over the sum of all three.
-
-    Pauly, Gross and Kobbelt, Efficient simplification of point-sampled surfaces, Visualization 2002, eq. 5.
-
-    Parameters
-    ----------
-    neighborhoods : ndarray, shape (q, k, 3)
-
-    Returns
-    -------
-    ndarray, shape (q,)
-        From 0 (flat) to 1/3; 0 where all points of a neighbourhood coincide.
-    """
-    variation = np.zeros(len(neighborhoods))
-    for start in range(0, len(neighborhoods), _BLOCK):
-        block = slice(start, start + _BLOCK)
-        centred = neighborhoods[block] - neighborhoods[block].mean(axis=1, keepdims=True)
-        values = np.linalg.eigvalsh(np.einsum("qki,qkj->qij", centred, centred, optimize=True))
-        total = values.sum(axis=1)
-        np.divide(np.maximum(values[:, 0], 0.0), total, out=variation[block], where=total > 0)
-    return variation
-
-
 def moving_planes(
     queries: Points, points: Points, neighbors: NDArray[np.intp], *, n_rounds: int = _ROUNDS
 ) -> tuple[Points, Points, Vector]:
-    """Foot of each query on the Gaussian-weighted plane of its neighbours: linear moving least squares.
+    """Foot of each query on the Gaussian-weighted plane of its neighbors: linear moving least squares.
 
-    The weight of a neighbour p is exp(-|p - x|^2 / h^2), where x is the foot and h a third of the distance
-    from the query to the farthest of its neighbours (Pauly, Gross and Kobbelt 2002, section 2.2). The plane
+    The weight of a neighbor p is exp(-|p - x|^2 / h^2), where x is the foot and h a third of the distance
+    from the query to the farthest of its neighbors (Pauly, Gross and Kobbelt 2002, section 2.2). The plane
     holds the weighted mean, normal to the direction of least weighted variance. Plane and foot are found in
     turn, a fixed number of rounds, from x = the query.
 
@@ -62,7 +38,7 @@ def moving_planes(
     normals : ndarray, shape (q, 3)
         Unit length; the sign is arbitrary.
     widths : ndarray, shape (q,)
-        h, in the unit of the points; 0 where query and neighbours coincide.
+        h, in the unit of the points; 0 where query and neighbors coincide.
     """
     feet, normals, widths = np.empty_like(queries), np.empty_like(queries), np.empty(len(queries))
     for start in range(0, len(queries), _BLOCK):
@@ -75,13 +51,13 @@ def moving_planes(
 
 
 def _feet(offsets: NDArray[np.float64], widths: Vector, n_rounds: int) -> tuple[Points, Points]:
-    """Feet relative to the queries, and normals; ``offsets`` (q, k, 3) are those of the neighbours."""
+    """Feet relative to the queries, and normals; ``offsets`` (q, k, 3) are those of the neighbors."""
     foot = np.zeros((len(offsets), 3))
     normals = foot
     scale = np.where(widths > 0, widths, 1.0)[:, None]
     for _ in range(n_rounds):
         exponents = np.square((offsets - foot[:, None]) / scale[:, None]).sum(axis=2)
-        # the nearest neighbour weighs one, so that the weights of a far query do not vanish together
+        # the nearest neighbor weighs one, so that the weights of a far query do not vanish together
         weights = np.exp(exponents.min(axis=1, keepdims=True) - exponents)
         weights /= weights.sum(axis=1, keepdims=True)
         mean = np.matmul(weights[:, None], offsets)[:, 0]

@@ -8,7 +8,7 @@ gives both as a share of the bounding-box diagonal; here they stand in % of it.
 Left open there, decided here: k, the number of nearest reduced points that carry the surface, is 12. The
 width h of the Gaussian weight is a third of the distance to the farthest of them, as in their section 2.2.
 The points q are the originals themselves, where the publication samples the original surface anew. The foot
-of q is found in 5 rounds of `lpcompare.geometry.surface.moving_planes`. It is eq. 27 of the 2017 paper with
+of q is found in 5 rounds of `lpcompare.geometry.moving_planes.moving_planes`. It is eq. 27 of the 2017 paper with
 weights: near points count more, so that the surface nearly passes through the reduced points.
 """
 

@@ -1,28 +1,9 @@
-"""Surface variation and moving planes, against scikit-free definitions."""
+"""Moving planes, against their definition."""
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
-from lpcompare.geometry.moving_planes import moving_planes, surface_variation
-
-
-@given(st.integers(0, 1000), st.integers(1, 12))
-def test_variation_is_the_share_of_the_least_variance(seed, k):
-    hoods = np.random.default_rng(seed).normal(size=(4, k, 3)) * [1.0, 2.0, 0.3]
-    for found, hood in zip(surface_variation(hoods), hoods, strict=True):
-        values = np.linalg.svd(hood - hood.mean(axis=0), compute_uv=False) ** 2
-        least = values[2] if k >= 3 else 0.0
-        assert 0 <= found <= 1 / 3 + 1e-12
-        assert found == pytest.approx(least / values.sum() if k > 1 else 0.0, abs=1e-12)
-
-
-def test_variation_of_what_is_flat_straight_or_one_place_is_zero():
-    t = np.linspace(0, 1, 8)
-    line, place = np.column_stack([t, 2 * t, -t]), np.ones((8, 3))
-    flat = np.column_stack([t, t**2, np.zeros(8)])
-    assert surface_variation(np.stack([line, place, flat])) == pytest.approx(0, abs=1e-15)
+from lpcompare.geometry.moving_planes import moving_planes
 
 
 def test_a_moving_plane_is_a_fixed_point_of_its_own_weights():
