@@ -8,7 +8,9 @@ SHARED = Path(__file__).resolve().parents[2] / "shared" / "models"
 
 
 def pytest_addoption(parser):
-    parser.addoption("--long", action="store_true", help="Try every case of the suites that are bounded in CI.")
+    parser.addoption(
+        "--long", action="store_true", help="Try every case of the suites that are bounded in CI."
+    )
 
 
 @pytest.fixture(scope="session")

@@ -42,7 +42,9 @@ def changed_bytes(text, rng):
         elif kind == 3:
             data[place:place] = rng.randbytes(rng.randint(1, 9))
         else:
-            data[place:place] = rng.choice([b"[" * 2000, b'"', b"{", b"\x00" * 64, b"1e999", b"\\ud800", b"\n"])
+            data[place:place] = rng.choice(
+                [b"[" * 2000, b'"', b"{", b"\x00" * 64, b"1e999", b"\\ud800", b"\n"]
+            )
     return bytes(data)
 
 

@@ -81,12 +81,16 @@ class LPSimplifier(BaseEstimator):
     feature_mask_ : ndarray of bool, shape (n,)
     certificates_ : tuple of Certificate
         Per cluster that owns a point: densities (eqs. 12, 15), Z (eq. 14), bound and proof.
+    converged_ : bool
+        Whether the mixture's fit ended by its tolerance.
+    n_iter_ : int
+        Iterations of the mixture's fit.
     timings_ : dict of str to float
         Seconds per stage.
 
     References
     ----------
-    E. Leal, N. Leal, G. Sanchez-Torres, A Linear Programming Approach for 3D Point Cloud Simplification,
+    N. Leal, E. Leal, G. Sanchez-Torres, A Linear Programming Approach for 3D Point Cloud Simplification,
     2017.
     """
 
@@ -171,13 +175,15 @@ class LPSimplifier(BaseEstimator):
         self.labels_, self.mixture_ = mixture.labels, mixture.in_units(center, scale)
         self.curvature_, self.feature_mask_ = curvature.in_units(scale), features
         self.sample_indices_, self.certificates_ = indices, tuple(certificates)
+        self.converged_, self.n_iter_ = mixture.converged, len(mixture.log_likelihoods)
         self.n_features_in_ = 3
         self.simplification_ = self._simplification(points)
         return self
 
-    def fit_resample(self, X: Any, y: object = None) -> Points:
-        """Fit and return the kept points, shape (m, 3)."""
-        return self.fit(X).simplification_.points
+    def fit_resample(self, X: Any, y: Any = None) -> tuple[Points, Any]:
+        """Fit; return the kept points, shape (m, 3), and their part of ``y`` (None without it)."""
+        kept = self.fit(X).simplification_.points
+        return kept, None if y is None else np.asarray(y)[self.sample_indices_]
 
     def responsibilities(self, X: Any) -> np.ndarray:
         """Membership probabilities P(c | x_i) of eq. 1 under the fitted mixture, shape (n, K)."""

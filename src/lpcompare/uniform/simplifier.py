@@ -5,17 +5,21 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
+from sklearn.base import BaseEstimator
 
-from lpcompare.checks import check_choice, check_integer, check_number, check_points, check_target
+from lpcompare.checks import check_choice, check_integer, check_number, check_points, check_seed, check_target
 from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.geometry.scale import normalize
-from lpcompare.geometry.surface import estimate_surface
+from lpcompare.geometry.surface import Surface, estimate_surface
 from lpcompare.paper.cluster_count import AUTO, ClusterCountSetting, check_n_clusters, choose_n_clusters
 from lpcompare.paper.clustering import cluster_points
 from lpcompare.paper.curvature import Curvature
 from lpcompare.progress import Callback, StageClock
-from lpcompare.types import Indices, Points, Simplification
+from lpcompare.types import Indices, Points, Simplification, Vector
 from lpcompare.uniform.clusters import (
+    ClusterDensity,
+    SpreadCertificate,
     cluster_densities,
     refine_in_density,
     solve_programmes,
@@ -23,52 +27,17 @@ from lpcompare.uniform.clusters import (
 )
 from lpcompare.uniform.placement import place_points
 from lpcompare.uniform.program import Stop
-from lpcompare.uniform.rims import find_rims
+from lpcompare.uniform.rims import Rims, find_rims
 from lpcompare.uniform.swaps import EMPHASES
 
 
-def simplify_uniformly(
-    points: Any,
-    *,
-    target_reduction: float | None = None,
-    target_count: int | None = None,
-    **settings: Any,
-) -> Simplification:
-    """Thin a point cloud without holes: one point per blue-noise cell, chosen by the clusters' programmes.
+class UniformSimplifier(BaseEstimator):
+    """`lp_uniform` and `lp_placed` with everything that they compute on the way.
 
     Parameters
     ----------
-    points : array_like, shape (n, 3)
-        Finite coordinates in model units; never changed.
     target_reduction, target_count : float, int
         Share removed or points kept; exactly one of the two.
-    **settings
-        Those of `UniformReducer`.
-
-    Returns
-    -------
-    Simplification
-        As `UniformReducer.reduce` gives it.
-
-    Raises
-    ------
-    InputError
-        The cloud or a setting cannot be worked on.
-    SolverError
-        The solver ended without a selection.
-    """
-    cloud = check_points(points)
-    n_keep = check_target(len(cloud), target_reduction, target_count)
-    return UniformReducer(cloud, **settings).reduce(n_keep)
-
-
-class UniformReducer:
-    """A clustered cloud with its curvature and tangent planes, ready to be thinned to any count.
-
-    Parameters
-    ----------
-    points : ndarray, shape (n, 3)
-        Clean cloud, in model units.
     placed : bool
         Move each kept point to the minimum of its tangent-plane quadric.
     n_clusters : int or "auto"
@@ -91,12 +60,46 @@ class UniformReducer:
         Seed of the k-means start and of subsamples.
     callback : callable, optional
         Called with (stage, done, total) as "clustering", "curvature" and "selection" proceed.
+
+    Attributes
+    ----------
+    simplification_ : Simplification
+    sample_indices_ : ndarray of int, shape (m,)
+        Rows that were kept, ascending; of placed points the rows that they come from.
+    labels_ : ndarray of int, shape (n,)
+        Cluster of each point.
+    curvature_ : ndarray, shape (n,)
+        Absolute curvature of each point (eqs. 9-11), in 1 / model units.
+    certificates_ : tuple of Certificate
+        Per cluster: densities, Z (eq. 14), bound and proof.
+    cluster_count_ : ClusterCount or None
+        The curve of n_clusters="auto".
+    converged_ : bool
+        Whether the mixture's fit ended by its tolerance.
+    n_iter_ : int
+        Iterations of the mixture's fit.
+    timings_ : dict of str to float
+        Seconds per stage.
+
+    References
+    ----------
+    N. Leal, E. Leal, G. Sanchez-Torres, A Linear Programming Approach for 3D Point Cloud Simplification,
+    2017, section V.
+
+    Examples
+    --------
+    >>> import numpy as np, lpcompare
+    >>> cloud = np.random.default_rng(0).normal(size=(400, 3))
+    >>> simplifier = lpcompare.UniformSimplifier(target_count=40, n_clusters=4).fit(cloud)
+    >>> len(simplifier.sample_indices_), len(simplifier.certificates_)
+    (40, 4)
     """
 
     def __init__(
         self,
-        points: Points,
         *,
+        target_reduction: float | None = None,
+        target_count: int | None = None,
         placed: bool = False,
         n_clusters: ClusterCountSetting = 20,
         n_neighbors: int = 20,
@@ -108,85 +111,141 @@ class UniformReducer:
         random_state: int | np.random.Generator | None = 0,
         callback: Callback | None = None,
     ) -> None:
-        wanted = check_n_clusters(n_clusters)
-        n_neighbors = check_integer("n_neighbors", n_neighbors, 1)
-        self._emphasis = EMPHASES[check_choice("emphasis", emphasis, EMPHASES)]
-        self._n_rounds = check_integer("n_rounds", n_rounds, 0)
-        self._tolerance = check_number("density_tolerance", density_tolerance, 0.0)
-        self._stop = Stop(check_number("gap", gap, 0.0), check_number("time_limit", time_limit, 0.0))
-        self._points, self._placed, self._callback = points, placed, callback
-        self._cloud, self._center, self._scale = normalize(points)
-        self._tree = Neighbors(self._cloud)
-        self._cloud = self._tree.sorted_points
-        rng, clock = np.random.default_rng(random_state), StageClock(callback)
-        progress = clock.stage("clustering")
-        self._count = choose_n_clusters(self._tree.points, rng) if wanted == AUTO else None
-        n_clusters = self._count.n_clusters if self._count else int(wanted)
-        labels = cluster_points(self._tree.points, n_clusters, rng, progress=progress).labels[
-            self._tree.order
-        ]
-        self._surface = estimate_surface(self._tree, n_neighbors, clock.stage("curvature"))
-        self._curvature = Curvature(*self._surface.curvatures.T).absolute
-        self._density = cluster_densities(self._cloud, labels)
-        self._timings = clock.stop()
+        self.target_reduction = target_reduction
+        self.target_count = target_count
+        self.placed = placed
+        self.n_clusters = n_clusters
+        self.n_neighbors = n_neighbors
+        self.emphasis = emphasis
+        self.n_rounds = n_rounds
+        self.density_tolerance = density_tolerance
+        self.gap = gap
+        self.time_limit = time_limit
+        self.random_state = random_state
+        self.callback = callback
 
-    def reduce(self, n_keep: int) -> Simplification:
-        """Keep ``n_keep`` points.
+    def fit(self, X: Any, y: object = None) -> UniformSimplifier:
+        """Cluster, spread cells, swap, and solve each cluster's program.
 
         Parameters
         ----------
-        n_keep : int
-            From 1 to n.
+        X : array_like, shape (n, 3)
+            Finite coordinates in model units; never changed.
+        y : object
+            Ignored; scikit-learn's habit.
 
         Returns
         -------
-        Simplification
-            ``info`` holds the certificates, the cluster of every input point, the curve of "auto"
-            (``cluster_count``) and, for placed points, the row that each comes from (``source``).
+        UniformSimplifier
+            Itself, fitted.
+
+        Raises
+        ------
+        InputError
+            The cloud or a setting cannot be worked on.
+        SolverError
+            The solver ended without a selection.
         """
-        clock = StageClock(self._callback)
+        points = check_points(X)
+        n_keep = check_target(len(points), self.target_reduction, self.target_count)
+        self._check_settings()
+        rng, clock = check_seed(self.random_state), StageClock(self.callback)
+        cloud, center, scale = normalize(points)
+        tree = Neighbors(cloud)
+        density = self._cluster(tree, rng, clock)
+        surface = estimate_surface(tree, self.n_neighbors, clock.stage("curvature"))
+        curvature = Curvature(*surface.curvatures.T).absolute
+        rims, indices, certificates = self._select(tree, surface, curvature, density, n_keep, clock)
+        indices = indices[np.argsort(tree.order[indices])]
+        self.sample_indices_ = tree.order[indices].astype(np.intp)
+        self.labels_ = _in_input_order(tree, density.labels)
+        self.curvature_ = _in_input_order(tree, curvature) / scale
+        self.certificates_ = tuple(c.in_units(1 / scale) for c in certificates)
+        self.n_features_in_ = 3
+        kept = points[self.sample_indices_]
+        if self.placed:
+            clock.stage("placement")
+            kept = place_points(tree, surface, rims, indices) * scale + center
+        self.timings_ = clock.stop()
+        self.simplification_ = self._simplification(kept)
+        return self
+
+    def fit_resample(self, X: Any, y: Any = None) -> tuple[Points, Any]:
+        """Fit; return the kept points, shape (m, 3), and their part of ``y`` (None without it)."""
+        kept = self.fit(X).simplification_.points
+        return kept, None if y is None else np.asarray(y)[self.sample_indices_]
+
+    def _check_settings(self) -> None:
+        check_n_clusters(self.n_clusters)
+        check_integer("n_neighbors", self.n_neighbors, 1)
+        check_choice("emphasis", self.emphasis, EMPHASES)
+        check_integer("n_rounds", self.n_rounds, 0)
+        for name in ("density_tolerance", "gap", "time_limit"):
+            check_number(name, getattr(self, name), 0.0)
+
+    def _cluster(self, tree: Neighbors, rng: np.random.Generator, clock: StageClock) -> ClusterDensity:
+        """The clusters and their densities, in the order of the tree."""
+        progress, wanted = clock.stage("clustering"), check_n_clusters(self.n_clusters)
+        self.cluster_count_ = choose_n_clusters(tree.points, rng) if wanted == AUTO else None
+        n_clusters = self.cluster_count_.n_clusters if self.cluster_count_ else int(wanted)
+        mixture = cluster_points(tree.points, n_clusters, rng, progress=progress)
+        self.converged_, self.n_iter_ = mixture.converged, len(mixture.log_likelihoods)
+        return cluster_densities(tree.sorted_points, mixture.labels[tree.order])
+
+    def _select(
+        self,
+        tree: Neighbors,
+        surface: Surface,
+        curvature: Vector,
+        density: ClusterDensity,
+        n_keep: int,
+        clock: StageClock,
+    ) -> tuple[Rims, Indices, list[SpreadCertificate]]:
+        """Rims, kept rows in the order of the tree, and the certificates of the clusters."""
         clock.stage("cells")
-        rims = find_rims(self._cloud, self._surface, n_keep)
-        sites = spread_points(self._tree, self._surface, rims, self._curvature, self._density, n_keep)
-        clock.stage("refinement")
+        cloud = tree.sorted_points
+        rims = find_rims(cloud, surface, n_keep)
+        sites = spread_points(tree, surface, rims, curvature, density, n_keep)
+        clock.stage("swaps")
         sites = refine_in_density(
-            self._tree,
-            self._surface,
+            tree,
+            surface,
             sites,
-            self._density,
-            n_rounds=self._n_rounds,
-            tolerance=self._tolerance,
-            emphasis=self._emphasis,
+            density,
+            n_rounds=self.n_rounds,
+            tolerance=self.density_tolerance,
+            emphasis=EMPHASES[self.emphasis],
         )
         indices, certificates = solve_programmes(
-            self._cloud,
-            self._surface,
+            cloud,
+            surface,
             rims,
-            self._density,
+            density,
             sites,
-            tolerance=self._tolerance,
-            stop=self._stop,
+            tolerance=self.density_tolerance,
+            stop=Stop(self.gap, self.time_limit),
             progress=clock.stage("selection"),
         )
-        info: dict[str, Any] = {
-            "labels": self._in_input_order(self._density.labels),
-            "certificates": tuple(c.in_units(1 / self._scale) for c in certificates),
-            "n_clusters": len(certificates),
-            "n_certified": sum(bool(c.proven) for c in certificates),
-            "largest_residual": float(max(c.residual for c in certificates)),
-        }
-        if self._count:
-            info["cluster_count"] = self._count
-        if not self._placed:
-            rows = np.sort(self._tree.order[indices].astype(np.intp))
-            return Simplification(self._points[rows], rows, self._timings | clock.stop(), info)
-        clock.stage("placement")
-        indices = indices[np.argsort(self._tree.order[indices])]
-        moved = place_points(self._tree, self._surface, rims, indices) * self._scale + self._center
-        info["source"] = self._tree.order[indices].astype(np.intp)
-        return Simplification(moved, None, self._timings | clock.stop(), info)
+        return rims, indices, certificates
 
-    def _in_input_order(self, values: Indices) -> Indices:
-        result = np.empty_like(values)
-        result[self._tree.order] = values
-        return result
+    def _simplification(self, kept: Points) -> Simplification:
+        info: dict[str, Any] = {
+            "labels": self.labels_,
+            "curvature": self.curvature_,
+            "certificates": self.certificates_,
+            "n_clusters": len(self.certificates_),
+            "n_certified": sum(bool(c.proven) for c in self.certificates_),
+            "largest_residual": float(max(c.residual for c in self.certificates_)),
+            "converged": self.converged_,
+        }
+        if self.cluster_count_:
+            info["cluster_count"] = self.cluster_count_
+        if self.placed:
+            return Simplification(kept, None, self.timings_, info | {"source": self.sample_indices_})
+        return Simplification(kept, self.sample_indices_, self.timings_, info)
+
+
+def _in_input_order(tree: Neighbors, values: NDArray[Any]) -> NDArray[Any]:
+    result = np.empty_like(values)
+    result[tree.order] = values
+    return result

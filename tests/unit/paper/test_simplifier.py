@@ -79,8 +79,9 @@ def test_responsibilities_survive_coordinates_far_from_the_origin():
 
 def test_fit_resample_returns_the_kept_points(fitted):
     points = bumpy(1500)
-    kept = clone(fitted).fit_resample(points)
+    kept, rows = clone(fitted).fit_resample(points, np.arange(1500))
     assert np.array_equal(kept, points[fitted.sample_indices_])
+    assert np.array_equal(rows, fitted.sample_indices_)
 
 
 def test_kept_features_are_features_and_fill_their_share():
