@@ -122,7 +122,7 @@ def test_meshlab_opens_the_project_with_names_qualities_and_colours(new_run, tmp
 
 def test_a_project_without_clouds_is_refused(plain_run, tmp_path):
     shutil.copy(plain_run / "run.json", tmp_path / "run.json")
-    with pytest.raises(InputError, match="no clouds|not a readable run"):
+    with pytest.raises(InputError, match=r"no clouds|not a readable run"):
         write_project(load_run(tmp_path), tmp_path / "mlp")
 
 
@@ -182,5 +182,5 @@ def test_a_file_outside_the_runs_folder_is_not_read(plain_run, tmp_path):
     for name in ("../secret.npz", str(secret)):
         moved = document.replace("clouds/dented.npz", name)
         (tmp_path / "run" / "run.json").write_text(moved)
-        with pytest.raises(InputError, match="no clouds|not a readable run"):
+        with pytest.raises(InputError, match=r"no clouds|not a readable run"):
             write_project(load_run(tmp_path / "run"), tmp_path / "mlp")
