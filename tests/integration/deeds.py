@@ -164,11 +164,7 @@ BODIES = {
         "failed",
         "The process ended with exit code 0 and no result in the call",
     ),
-    "replaces_the_clock": (
-        "time.perf_counter = lambda: float('nan')\nnp.random.seed(0); gc.disable()" + _KEEP,
-        "ok",
-        "",
-    ),
+    "replaces_the_clock": ("time.perf_counter = lambda: float('nan'); gc.disable()" + _KEEP, "ok", ""),
     "turns_warnings_into_errors": ("warnings.simplefilter('error'); np.seterr(all='raise')" + _KEEP, "ok", ""),
     "leaves_no_recursion": ("sys.setrecursionlimit(60)" + _KEEP, "any", ""),
     "removes_the_streams": ("sys.stdout = sys.stderr = None" + _KEEP, "ok", ""),

@@ -127,9 +127,8 @@ def build_plan(
     ------
     UnknownName, InputError
     """
-    given: dict[str, Any] = {
-        k: tuple(v) if isinstance(v, list) else v for k, v in fields.items() if k in _DIRECT
-    }
+    chosen = {"models": [], **fields}
+    given = {k: tuple(v) if isinstance(v, list) else v for k, v in chosen.items() if k in _DIRECT}
     share = max(1, jobs)
     memory = physical_memory_mib() * 3 // 4 // share if memory_limit_mib is None else memory_limit_mib
     plan = Plan(
