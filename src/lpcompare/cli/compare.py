@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from shutil import get_terminal_size
 from typing import Annotated
 
 import typer
@@ -16,7 +17,9 @@ def command(
     """Compare runs of the same inputs; of one run, its methods."""
     from lpcompare.benchmark.record import load_run
     from lpcompare.report.comparison import format_comparison, format_methods
+    from lpcompare.report.tables import NARROW
 
+    width = max(NARROW, get_terminal_size((NARROW, 24)).columns)
     first, *others = [load_run(path) for path in runs]
-    texts = [format_comparison(first, other) for other in others] or [format_methods(first)]
+    texts = [format_comparison(first, other, width) for other in others] or [format_methods(first, width)]
     typer.echo("\n\n".join(texts))
