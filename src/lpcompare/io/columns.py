@@ -177,6 +177,15 @@ def columns_of(cloud: PointCloud, normals: Sequence[str] = NORMALS) -> dict[str,
     return columns | dict(cloud.attributes)
 
 
+def records(columns: Mapping[str, NDArray[Any]]) -> NDArray[Any]:
+    """The columns as one array of records without gaps, in the byte order of files."""
+    kinds = [(name, values.dtype.newbyteorder("<"), values.shape[1:]) for name, values in columns.items()]
+    table = np.empty(len(next(iter(columns.values()))), kinds)
+    for name, values in columns.items():
+        table[name] = values
+    return table
+
+
 def fitted(cloud: PointCloud, holds: Holds, ending: str) -> tuple[PointCloud, tuple[str, ...]]:
     """The cloud as a format can hold it, and a note of each thing that is not as it was.
 

@@ -36,16 +36,16 @@ def fan_triangles(polygons: Sequence[Sequence[int]] | NDArray[Any], n_points: in
     return checked_triangles(triangles, n_points)
 
 
-def strip_triangles(strip: NDArray[np.integer], n_points: int) -> NDArray[np.intp] | None:
-    """Triangles of strips that are separated by -1; every second one of a strip is turned around.
+def strip_triangles(strips: Sequence[NDArray[Any]] | NDArray[Any], n_points: int) -> NDArray[np.intp] | None:
+    """Triangles of strips, in which -1 begins a new one; every second one of a strip is turned around.
 
     Parameters
     ----------
-    strip : ndarray of int, shape (s,)
+    strips : sequence of ndarrays of int
     n_points : int
         As for `fan_triangles`.
     """
-    corners = strip.astype(np.intp)
+    corners = np.concatenate([np.append(strip, -1) for strip in strips]).astype(np.intp)
     if len(corners) < 3:
         return None
     triangles = np.column_stack([corners[:-2], corners[1:-1], corners[2:]])

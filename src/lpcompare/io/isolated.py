@@ -25,7 +25,7 @@ from lpcompare.io.arrays import packed, unpacked
 from lpcompare.io.rows import Damaged
 from lpcompare.types import Indices, PointCloud
 
-_SECONDS = 15.0
+_SECONDS = 18.0
 _SECONDS_PER_MIB = 2.0
 _MEMORY_BYTES = 2 * 2**30
 _MEMORY_PER_BYTE = 60

@@ -16,14 +16,12 @@ import lzf
 import numpy as np
 from numpy.typing import NDArray
 
-from lpcompare.io.columns import AXES, COLORS, Holds, cloud_of, columns_of, free_name
-from lpcompare.io.rows import Damaged, check_held, decoded, numbers
+from lpcompare.io.columns import AXES, COLORS, Holds, cloud_of, columns_of, free_name, records
+from lpcompare.io.rows import LONGEST_HEADER, Damaged, check_held, decoded, numbers
 from lpcompare.types import Indices, PointCloud
 
 _NORMALS = ("normal_x", "normal_y", "normal_z")
 _PACKED = ("rgba", "rgb")
-_KINDS = {"F": "f", "U": "u", "I": "i"}
-_LONGEST_HEADER = 2**20
 _LARGEST_COUNT = 9999
 _LARGEST_RATIO = 300  # LZF makes nothing shorter than a 264th
 
@@ -85,21 +83,16 @@ def write(path: Path, cloud: PointCloud) -> None:
         )
         ahead = {n: columns[n] for n in (*AXES, *_NORMALS) if n in columns}
         columns = ahead | {"rgba": alpha << 24 | red << 16 | green << 8 | blue} | columns
-    kinds = [(name, values.dtype.newbyteorder("<"), values.shape[1:]) for name, values in columns.items()]
-    table = np.empty(len(cloud), kinds)
-    for name, values in columns.items():
-        table[name] = values
+    table = records(columns)
+    kinds = [table.dtype[name] for name in columns]
     head = {
         "VERSION": ["0.7"],
         "FIELDS": list(columns),
-        "SIZE": [values.dtype.itemsize for values in columns.values()],
-        "TYPE": [values.dtype.kind.upper() for values in columns.values()],
-        "COUNT": [values.shape[1] if values.ndim == 2 else 1 for values in columns.values()],
-        "WIDTH": [len(cloud)],
-        "HEIGHT": [1],
-        "VIEWPOINT": ["0.0 0.0 0.0 1.0 0.0 0.0 0.0"],
-        "POINTS": [len(cloud)],
-        "DATA": ["binary"],
+        "SIZE": [kind.base.itemsize for kind in kinds],
+        "TYPE": [kind.base.kind.upper() for kind in kinds],
+        "COUNT": [kind.itemsize // kind.base.itemsize for kind in kinds],
+        **{"WIDTH": [len(cloud)], "HEIGHT": [1], "VIEWPOINT": ["0.0 0.0 0.0 1.0 0.0 0.0 0.0"]},
+        **{"POINTS": [len(cloud)], "DATA": ["binary"]},
     }
     with path.open("wb") as file:
         file.writelines(f"{key} {' '.join(map(str, words))}\n".encode() for key, words in head.items())
@@ -110,10 +103,10 @@ def keep_rows(source: Path, target: Path, rows: Indices) -> tuple[str, ...]:
     """The same header, encoding and values; an image-like cloud becomes a list of points."""
     file = _take_apart(source)
     counts = {b"WIDTH": len(rows), b"HEIGHT": 1, b"POINTS": len(rows)}
-    head = [
-        re.sub(rb"(?<=\s)\d\S*", b"%d" % counts[_key(line)], line, count=1) if _key(line) in counts else line
-        for line in file.head
-    ]
+    head = list(file.head)
+    for i, line in enumerate(head):
+        if _key(line) in counts:
+            head[i] = re.sub(rb"(?<=\s)\d\S*", b"%d" % counts[_key(line)], line, count=1)
     encoding, body = file.encoding, b""
     if encoding == b"ascii":
         lines = _lines(file)
@@ -140,33 +133,32 @@ def _take_apart(path: Path) -> _File:
         Fields without a type, or more values a point than anyone stores.
     """
     content = path.read_bytes()
-    end = re.search(rb"^[ \t]*DATA[ \t]+(\w+)[^\n]*\n", content[:_LONGEST_HEADER], re.MULTILINE)
+    end = re.search(rb"^[ \t]*DATA[ \t]+(\w+)[^\n]*\n", content[:LONGEST_HEADER], re.MULTILINE)
     if end is None:
-        raise Damaged(f"its header has no line DATA in the first {min(len(content), _LONGEST_HEADER)} bytes")
+        raise Damaged(f"its header has no line DATA in the first {LONGEST_HEADER} bytes")
     head = content[: end.start()].splitlines(keepends=True)
-    words = {_key(line): decoded(line).split()[1:] for line in head if line.strip()}
-    names = words.get(b"FIELDS") or words.get(b"COLUMNS") or []
-    sizes = _integers(words.get(b"SIZE") or ["4"] * len(names), "SIZE")
-    counts = _integers(words.get(b"COUNT") or ["1"] * len(names), "COUNT")
-    types = [t.upper() for t in words.get(b"TYPE") or ["F"] * len(names)]
-    lengths = [len(names), len(sizes), len(types), len(counts)]
-    if not names or len(set(lengths)) > 1:
-        raise Damaged("its header has {} fields, {} sizes, {} types and {} counts".format(*lengths))
-    if max(*counts, len(names)) > _LARGEST_COUNT:
-        raise Damaged(f"it has more than {_LARGEST_COUNT} fields, or values of one field")
-    used = [i for i, count in enumerate(counts) if count]
-    kinds = [f"{_KINDS.get(types[i], '?')}{sizes[i]}" for i in used]
-    if wrong := {kind for kind in kinds if kind not in HOLDS[".pcd"].types}:
+    words = {_key(line).decode("latin1"): decoded(line).split()[1:] for line in head if line.strip()}
+    names = words.get("FIELDS") or words.get("COLUMNS") or []
+    n = len(names)
+    sizes, counts = (words.get(key) or [default] * n for key, default in (("SIZE", "4"), ("COUNT", "1")))
+    types = words.get("TYPE") or ["F"] * n
+    if not n or {len(sizes), len(counts), len(types)} != {n}:
         raise Damaged(
-            f"its header has fields of a type and size that are not known: {' '.join(sorted(wrong))}"
+            f"its header has {n} fields, {len(sizes)} sizes, {len(types)} types and {len(counts)} counts"
         )
-    kind = np.dtype(
-        [(f"f{i}", "<" + k, () if counts[i] == 1 else (counts[i],)) for i, k in zip(used, kinds, strict=True)]
-    )
-    (points,) = _integers(words.get(b"POINTS") or ["0"], "POINTS")
-    width, height = (_integers(words.get(key) or ["0"], key.decode())[0] for key in (b"WIDTH", b"HEIGHT"))
+    numbers_of = [_integer(words, "COUNT", i, "1") for i in range(n)]
+    if max(*numbers_of, n) > _LARGEST_COUNT:
+        raise Damaged(f"it has more than {_LARGEST_COUNT} fields, or values of one field")
+    kinds = [
+        (f"f{i}", f"<{types[i].lower()}{sizes[i]}", (c,) * (c != 1)) for i, c in enumerate(numbers_of) if c
+    ]
+    for _, kind, _ in kinds:
+        if kind[1:] not in HOLDS[".pcd"].types:
+            raise Damaged(f"its header has a field of a type and size that are not known: {kind[1:40]}")
+    points, width, height = (_integer(words, key, 0, "0") for key in ("POINTS", "WIDTH", "HEIGHT"))
     shape = (width, height) if width * height >= points else (points, 1)
-    return _File(head, end[1].lower(), kind, tuple(names[i] for i in used), shape, content[end.end() :])
+    used = tuple(name for name, count in zip(names, numbers_of, strict=True) if count)
+    return _File(head, end[1].lower(), np.dtype(kinds), used, shape, content[end.end() :])
 
 
 def _key(line: bytes) -> bytes:
@@ -174,14 +166,16 @@ def _key(line: bytes) -> bytes:
     return (line.split(None, 1) or [b""])[0].upper()
 
 
-def _integers(words: list[str], what: str) -> list[int]:
+def _integer(words: dict[str, list[str]], key: str, at: int, default: str) -> int:
+    """A number that is not negative, of a line of the header that may be missing."""
+    word = (words.get(key) or [default] * (at + 1))[at]
     try:
-        values = [int(word) for word in words]
+        value = int(word)
     except ValueError:
-        values = [-1]
-    if min(values, default=-1) < 0:
-        raise Damaged(f"its header has the line {what} {' '.join(words)[:40]}")
-    return values
+        value = -1
+    if value < 0:
+        raise Damaged(f"its header has {key} {word[:40]}")
+    return value
 
 
 def _lines(file: _File) -> list[bytes]:

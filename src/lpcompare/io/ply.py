@@ -7,6 +7,7 @@ that is longer than the file must not take the memory for it.
 from __future__ import annotations
 
 import re
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -14,27 +15,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lpcompare.io.columns import Holds, cloud_of, columns_of, exactly
+from lpcompare.io.columns import Holds, cloud_of, columns_of, exactly, records
 from lpcompare.io.faces import fan_triangles, strip_triangles
-from lpcompare.io.rows import Damaged, check_held, decoded, numbers
+from lpcompare.io.rows import LONGEST_HEADER, Damaged, check_held, decoded, numbers
 from lpcompare.types import Indices, PointCloud
 
 _TYPES = {
-    **{"char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4"},
+    **{"uchar": "u1", "char": "i1", "ushort": "u2", "short": "i2", "uint": "u4", "int": "i4"},
     **{"float": "f4", "double": "f8", "int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2"},
     **{"int32": "i4", "uint32": "u4", "float32": "f4", "float64": "f8"},
 }
-_NAMES = {kind: name for name, kind in reversed(_TYPES.items())}
+_NAMES = {kind: name for name, kind in list(_TYPES.items())[:8]}
 _ORDERS = {b"ascii": "", b"binary_little_endian": "<", b"binary_big_endian": ">"}
 _CORNERS = ("vertex_indices", "vertex_index")
-_LONGEST_HEADER = 2**20
 _MOST_PROPERTIES = 5000
 
-HOLDS = {
-    ".ply": Holds(
-        types=("u1", "i1", "u2", "i2", "u4", "i4", "f4", "f8"), normals="f8", colors="u1", faces=True
-    )
-}
+HOLDS = {".ply": Holds(types=tuple(_NAMES), normals="f8", colors="u1", faces=True)}
 
 
 @dataclass
@@ -75,20 +71,16 @@ def read(path: Path) -> PointCloud:
 def write(path: Path, cloud: PointCloud) -> None:
     """Binary PLY: coordinates as doubles, colours as bytes, attributes in their own types, triangles."""
     columns = columns_of(cloud)
-    table = np.empty(len(cloud), [(name, values.dtype.newbyteorder("<")) for name, values in columns.items()])
-    for name, values in columns.items():
-        table[name] = values
     lines = ["ply", "format binary_little_endian 1.0", f"element vertex {len(cloud)}"]
     lines += [f"property {_NAMES[values.dtype.str[1:]]} {name}" for name, values in columns.items()]
+    parts = [records(columns)]
+    if cloud.faces is not None:
+        lines += [f"element face {len(cloud.faces)}", "property list uchar int vertex_indices"]
+        parts += [records({"n": np.full(len(cloud.faces), 3, np.uint8), "v": cloud.faces.astype(np.int32)})]
     with path.open("wb") as file:
-        if cloud.faces is not None:
-            lines += [f"element face {len(cloud.faces)}", "property list uchar int vertex_indices"]
         file.write("\n".join([*lines, "end_header\n"]).encode("ascii"))
-        table.tofile(file)
-        if cloud.faces is not None:
-            faces = np.empty(len(cloud.faces), [("count", "u1"), ("corners", "<i4", (3,))])
-            faces["count"], faces["corners"] = 3, cloud.faces
-            faces.tofile(file)
+        for part in parts:
+            part.tofile(file)
 
 
 def keep_rows(source: Path, target: Path, rows: Indices) -> tuple[str, ...]:
@@ -122,16 +114,13 @@ def _take_apart(path: Path) -> _File:
     begin = re.match(rb"ply[ \t]*(\r\n|\n|\r)", content)
     if begin is None:
         raise Damaged("it does not begin with the line 'ply'")
-    end = re.compile(rb"(?:\r|\n)end_header[ \t]*" + begin[1]).search(content[:_LONGEST_HEADER])
+    end = re.compile(rb"[\r\n]end_header[ \t]*" + begin[1]).search(content[:LONGEST_HEADER])
     if end is None:
-        raise Damaged(
-            f"its header has no line 'end_header' in the first {min(len(content), _LONGEST_HEADER)} bytes"
-        )
+        raise Damaged(f"its header has no line 'end_header' in the first {LONGEST_HEADER} bytes")
     head = [line + begin[1] for line in content[: end.end()].split(begin[1])[:-1]]
     order, elements = None, list[_Element]()
     for i, line in enumerate(head):
-        words = line.split()
-        match words:
+        match line.split():
             case [b"format", kind, *_]:
                 order = _ORDERS.get(kind)
             case [b"element", name, count, *_] if count.isdigit():
@@ -142,12 +131,14 @@ def _take_apart(path: Path) -> _File:
             case [b"property" | b"element", *_]:
                 raise Damaged(f"its header has the line {line.strip()[:60]!r}")
     if order is None:
-        raise Damaged(
-            "its header has no format that is known: ascii, binary_little_endian or binary_big_endian"
-        )
+        raise Damaged(f"its header has none of the formats {b', '.join(_ORDERS).decode()}")
     if sum(len(element.properties) for element in elements) > _MOST_PROPERTIES:
         raise Damaged(f"its header has more than {_MOST_PROPERTIES} properties")
-    _check_counts(elements, len(content))
+    for element in elements:
+        if element.count * max(len(element.properties), 1) > len(content):
+            raise Damaged(
+                f"it promises {element.count} rows of {element.name!r} and holds {len(content)} bytes"
+            )
     body = content[end.end() :]
     rows = [line for line in body.splitlines(keepends=True) if line.strip()] if not order else []
     return _File(order, head, elements, body, rows)
@@ -155,126 +146,104 @@ def _take_apart(path: Path) -> _File:
 
 def _property(name: bytes, kinds: list[bytes]) -> tuple[str, str, str]:
     """Name, type and, of a list, type of its count."""
-    types = [_TYPES.get(decoded(kind), "") for kind in kinds if kind != b"list"]
-    if len(types) != len(kinds) - (kinds[0] == b"list") or len(types) not in (1, 2) or not all(types):
+    types = [_TYPES.get(decoded(kind), "") for kind in kinds[kinds[0] == b"list" :]]
+    if not all(types) or len(types) != 1 + (kinds[0] == b"list"):
         raise Damaged(f"its header has a property {name[:40]!r} of type {b' '.join(kinds)[:40]!r}")
     return decoded(name), types[-1], types[0] if len(types) == 2 else ""
 
 
-def _check_counts(elements: list[_Element], size: int) -> None:
-    for element in elements:
-        if element.count * max(len(element.properties), 1) > size:
-            raise Damaged(f"it promises {element.count} rows of {element.name!r} and holds {size} bytes")
-
-
 def _table(file: _File, element: _Element, start: int) -> tuple[dict[str, NDArray[Any]], NDArray[np.intp]]:
-    """The columns of an element, and where in the body each of its rows ends, after ``start``.
+    """The columns of an element, and where in the body, after ``start``, each of its rows ends.
 
     Lists that are all of one length, such as triangles, are read at once.
     """
-    if not element.count or not element.properties:
-        return {}, np.full(element.count + 1, start)
-    if file.order == "":
-        check_held(f"rows of {element.name!r}", element.count, len(file.rows) - start)
-    lengths = [len(values) for values in _rows(file, element, start, 1)[0][0]]
+    names, count = [name for name, *_ in element.properties], element.count
+    if not count or not names:
+        return {}, np.full(count + 1, start)
+    lines = file.rows[start : start + count]
+    if not file.order:
+        check_held(f"rows of {element.name!r}", count, len(lines))
+    one = _rows(file, element, start, 1)[0]
     kind = np.dtype(
-        [
-            part
-            for i, (_, kind, counter) in enumerate(element.properties)
-            for part in ([(f"n{i}", file.order + counter)] if counter else [])
-            + [(f"v{i}", file.order + kind, (lengths[i],) if counter else ())]
-        ]
+        [part for i, values in enumerate(one) for part in _record(file.order, element, i, len(values[0]))]
     )
-    table = _at_once(file, element, start, kind)
-    if table is not None and all(
-        (table[f"n{i}"] == lengths[i]).all() for i, p in enumerate(element.properties) if p[2]
-    ):
+    table = None
+    if not file.order:
+        with suppress(Damaged):
+            table = numbers(lines, kind)
+    elif count * kind.itemsize <= len(file.body) - start:
+        table = np.frombuffer(file.body, kind, count, start)
+    if table is not None and all((table[n] == table[n][0]).all() for n in kind.names or () if n[0] == "n"):
         step = kind.itemsize if file.order else 1
-        columns = {p[0]: table[f"v{i}"] for i, p in enumerate(element.properties)}
-        return columns, start + step * np.arange(element.count + 1)
-    found, ends = _rows(file, element, start, element.count)
-    columns = {}
-    for (name, _, counter), values in zip(element.properties, zip(*found, strict=True), strict=True):
-        columns[name] = np.fromiter(values, object, len(values)) if counter else np.concatenate(values)
-    return columns, np.array([start, *ends])
+        return {name: table[f"v{i}"] for i, name in enumerate(names)}, start + step * np.arange(count + 1)
+    found, ends = _rows(file, element, start, count)
+    lists = [np.fromiter(values, object, count) for values in found]
+    columns = [np.concatenate(v) if not p[2] else v for v, p in zip(lists, element.properties, strict=True)]
+    return dict(zip(names, columns, strict=True)), ends if file.order else np.arange(start, start + count + 1)
 
 
-def _at_once(file: _File, element: _Element, start: int, kind: np.dtype[Any]) -> NDArray[Any] | None:
-    """The rows as one array of records, or None where they are not all alike."""
-    if file.order:
-        room = len(file.body) - start
-        return (
-            np.frombuffer(file.body, kind, element.count, start)
-            if element.count * kind.itemsize <= room
-            else None
-        )
-    try:
-        return numbers(file.rows[start : start + element.count], kind)
-    except Damaged:
-        return None
+def _record(order: str, element: _Element, i: int, length: int) -> list[tuple[str, str, tuple[int, ...]]]:
+    """The fields of a property in a record: a list's count and its values."""
+    _, kind, counter = element.properties[i]
+    value = (f"v{i}", order + kind, (length,) if counter else ())
+    return [(f"n{i}", order + counter, ()), value] if counter else [value]
 
 
 def _rows(
     file: _File, element: _Element, start: int, count: int
-) -> tuple[list[list[NDArray[Any]]], list[int]]:
-    """The values of each property of some rows, one row after the other, and where each row ends."""
-    rows, ends = [], []
+) -> tuple[list[list[NDArray[Any]]], NDArray[np.intp]]:
+    """The values of each property in some rows, one row after the other, and where each row ends."""
+    words = [line.split() for line in file.rows[start : start + count]]
+    flat = _floats([word for line in words for word in line])
+    found: list[list[NDArray[Any]]] = [[] for _ in element.properties]
+    at = start if file.order else 0
+    ends = [at]
+
+    def take(kind: str, length: int) -> NDArray[Any]:
+        nonlocal at
+        step = int(kind[1]) if file.order else 1
+        check_held("values", at + max(length, 0) * step, len(file.body if file.order else flat))
+        first, at = at, at + length * step
+        if file.order:
+            return np.frombuffer(file.body, file.order + kind, length, first)
+        values = flat[first:at] if kind[0] == "f" else exactly(flat[first:at], kind)
+        if values is None:
+            raise Damaged(f"a row of {element.name!r} has a value that is not of its type {_NAMES[kind]}")
+        return values.astype(kind)
+
     for _ in range(count):
-        words = file.rows[start].split() if not file.order else []
-        row, at = [], 0 if not file.order else start
-        for name, kind, counter in element.properties:
-            length = 1
-            if counter:
-                values, at = _values(file, words, at, counter, 1)
-                length = int(values[0])
+        for values, (name, kind, counter) in zip(found, element.properties, strict=True):
+            length = int(take(counter, 1)[0]) if counter else 1
             if length < 0:
                 raise Damaged(f"a list {name!r} has {length} values")
-            values, at = _values(file, words, at, kind, length)
-            row.append(values)
-        if at < len(words):
-            raise Damaged(f"a row of {element.name!r} has {len(words)} values, not {at}")
-        start = at if file.order else start + 1
-        rows.append(row)
-        ends.append(start)
-    return rows, ends
+            values.append(take(kind, length))
+        ends.append(at)
+    if not file.order and not np.array_equal(np.diff(ends), [len(line) for line in words]):
+        raise Damaged(f"a row of {element.name!r} has another number of values than its header says")
+    return found, np.array(ends)
 
 
-def _values(file: _File, words: list[bytes], at: int, kind: str, length: int) -> tuple[NDArray[Any], int]:
-    """Some values of one type at a place of the body, or of a row's words, and the place behind them."""
-    if file.order:
-        end = at + length * int(kind[1])
-        check_held("bytes", end, len(file.body))
-        return np.frombuffer(file.body, file.order + kind, length, at), end
-    check_held("values in a row", at + length, len(words))
+def _floats(words: list[bytes]) -> NDArray[np.float64]:
     try:
-        values = exactly(
-            np.array(words[at : at + length], "S").astype(np.float64), kind if kind[0] != "f" else "f8"
-        )
+        return np.array(words, "S").astype(np.float64)
     except ValueError:
-        values = None
-    if values is None:
-        raise Damaged(f"{b' '.join(words[at : at + length])[:40]!r} is no value of type {_NAMES[kind]}")
-    return values.astype(kind), at + length
+        raise Damaged("a row has a word that is no number") from None
 
 
 def _some(file: _File, ends: NDArray[np.intp], rows: Indices) -> list[bytes]:
     """Rows of an element as they are in the file."""
     if not file.order:
-        return [file.rows[i] for i in (ends[:-1][rows]).tolist()]
-    steps = np.diff(ends)
-    if len(steps) and (steps == steps[0]).all():
-        table = (
-            np.frombuffer(file.body, f"V{steps[0]}", len(steps), int(ends[0])) if steps[0] else np.empty(0)
-        )
-        return [table[rows].tobytes() if steps[0] else b""]
+        return [file.rows[i] for i in ends[rows].tolist()]
+    steps = np.unique(np.diff(ends))
+    if len(steps) == 1 and steps[0]:
+        return [np.frombuffer(file.body, f"V{steps[0]}", len(ends) - 1, int(ends[0]))[rows].tobytes()]
     return [file.body[ends[i] : ends[i + 1]] for i in rows.tolist()]
 
 
 def _faces(tables: dict[str, dict[str, NDArray[Any]]], n_points: int) -> NDArray[np.intp] | None:
-    for element in ("tristrips", "face"):
-        corners = next((tables[element][n] for n in _CORNERS if n in tables.get(element, {})), None)
-        if corners is not None and len(corners) and element == "face":
-            return fan_triangles(corners, n_points)
-        if corners is not None and len(corners):
-            return strip_triangles(np.concatenate([np.append(s, -1) for s in corners]), n_points)
+    """The triangles of strips or faces, whichever there are."""
+    for element, triangles in (("tristrips", strip_triangles), ("face", fan_triangles)):
+        for name in _CORNERS:
+            if len(corners := tables.get(element, {}).get(name, ())):
+                return triangles(corners, n_points)
     return None

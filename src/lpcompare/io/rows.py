@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
+LONGEST_HEADER = 2**20
+
 
 class Damaged(ValueError):  # noqa: N818 - it is a state of the file
     """A file that does not keep to its format; the text is part of a sentence about it."""
