@@ -15,11 +15,12 @@ import numpy as np
 from numba import njit, types
 from numpy.typing import NDArray
 
+from lpcompare.geometry.graphs import nearest_others
 from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.geometry.scale import bounding_box_diagonal
 from lpcompare.types import Indices, Mask, Points, Vector
 from lpcompare_baselines._heap import pop, settle
-from lpcompare_baselines._hoods import nearest_others
+from lpcompare_baselines._hoods import IndexArray
 
 SIGNATURE = types.float64(types.int64, types.int64[::1], types.float64[:, ::1], types.float64[:, ::1])
 """Of an importance, for ``numba.njit``: (row, rows of its neighborhood, points, data) -> importance."""
@@ -144,18 +145,25 @@ class _Lists:
         """Ask the tree for the lists of rows, unless there are too many of them."""
         near = self.arrays[0]
         self.n_spare -= len(rows)
-        if self.n_spare < 0:
+        if self.n_spare < 0 or len(rows) == 0:
             return
         self._tree = self._tree or Neighbors(self.points[self.rows])
-        for row in rows:
-            n_asked, found = near.shape[1], self.rows[:0]
-            while len(found) < self.n_neighbors:
-                n_asked *= 2
-                found = self.rows[self._tree.query(self.points[[row]], n_asked, n_threads=1)[1][0]]
-                found = found[self.alive[found] & (found != row)][: near.shape[1]]
-            near[row] = -1
-            near[row, : len(found)] = found
+        n_asked = 2 * near.shape[1]
+        found, usable = self._asked(rows, n_asked)
+        while usable.sum(axis=1).min() < self.n_neighbors:
+            n_asked *= 2
+            found, usable = self._asked(rows, n_asked)
+        found = np.where(usable, found, -1)
+        near[rows] = np.take_along_axis(found, np.argsort(~usable, axis=1, kind="stable"), axis=1)[
+            :, : near.shape[1]
+        ]
         self._n_linked = _link(rows, *self.arrays, self._n_linked)
+
+    def _asked(self, rows: Indices, n_asked: int) -> tuple[IndexArray, NDArray[np.bool_]]:
+        """The nearest points of rows in the tree (q, n_asked), and whether each is left and another one."""
+        assert self._tree is not None
+        found = self.rows[self._tree.query(self.points[rows], n_asked)[1]]
+        return found, self.alive[found] & (found != rows[:, None])
 
 
 @njit("i8(i8[::1], i4[:,::1], i4[::1], i4[::1], i4[::1], i8)", cache=True)

@@ -9,10 +9,11 @@ from numba import njit
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from lpcompare.geometry.graphs import nearest_others
 from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.types import Indices, Points, Vector
 from lpcompare_baselines._heap import pop, settle
-from lpcompare_baselines._hoods import nearest_others, normals_and_variation
+from lpcompare_baselines._hoods import normals_and_variation
 
 _STEEPEST = 0.8
 """Sine of the angle to the surface, at both ends, from which an edge of the graph leaves it."""
@@ -78,7 +79,10 @@ def surface_graph(points: Points, n_neighbors: int, feature_weight: float = 0.0)
     ends = np.concatenate([first, second]), np.concatenate([second, first])
     graph = coo_array((np.tile(lengths, 2), ends), (len(points), len(points))).tocsr()
     return Surface(
-        graph.indptr.astype(np.int64), graph.indices.astype(np.int64), graph.data, _part_firsts(points, part)
+        graph.indptr.astype(np.int64),
+        graph.indices.astype(np.int64),
+        np.asarray(graph.data, float),
+        _part_firsts(points, part),
     )
 
 
@@ -117,7 +121,8 @@ def _tied(points: Points, first: Indices, second: Indices) -> tuple[Indices, Ind
         distances, near = tree.query(points[lonely], _SMALL + 1)
         outside = part[near] != part[lonely][:, None]
         nearest = outside.argmax(axis=1)[:, None]
-        distance, other = (np.take_along_axis(table, nearest, axis=1)[:, 0] for table in (distances, near))
+        distance = np.take_along_axis(distances, nearest, axis=1)[:, 0]
+        other = np.take_along_axis(near, nearest, axis=1)[:, 0]
         order = np.lexsort((distance, part[lonely]))
         best = order[np.diff(part[lonely][order], prepend=-1) > 0]
         first, second = np.append(first, lonely[best]), np.append(second, other[best])

@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpcompare.geometry.frames import tangents
-from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.types import Mask, Points, Vector
 from lpcompare_baselines._buckets import farthest_points
 
@@ -15,18 +14,6 @@ IndexArray = NDArray[np.intp]
 _BLOCK = 32768
 _WIDEST_GAP = np.pi / 2
 """Angle without a neighbour, in radians, from which a point lies on the rim of an open surface."""
-
-
-def nearest_others(points: Points, n_neighbors: int) -> tuple[NDArray[np.float64], IndexArray]:
-    """Distances and rows of the nearest other points of each point, nearest first, shape (n, k) each.
-
-    ``k`` is ``n_neighbors``, or one less than the cloud has points where that is fewer.
-    """
-    distances, neighbors = Neighbors(points).query(points, n_neighbors + 1)
-    own = neighbors == np.arange(len(points))[:, None]
-    own[~own.any(axis=1), -1] = True  # a point with more duplicates than neighbors asked for
-    shape = len(points), neighbors.shape[1] - 1
-    return distances[~own].reshape(shape), neighbors[~own].reshape(shape)
 
 
 def normals_and_variation(points: Points, neighbors: IndexArray) -> tuple[Points, Vector]:
@@ -75,7 +62,7 @@ def on_rim(points: Points, neighbors: IndexArray, normals: Points, counted: Mask
         The neighbors that count; by default all.
     """
     counted = np.ones(neighbors.shape, bool) if counted is None else counted
-    alone = ~counted.any(axis=1)
+    alone = np.logical_not(np.any(counted, axis=1))
     if alone.all():
         return alone
     offsets = points[neighbors] - points[:, None]

@@ -25,10 +25,10 @@ from numba import njit
 from numpy.typing import NDArray
 from scipy.spatial import Delaunay, QhullError
 
+from lpcompare.geometry.graphs import nearest_others
 from lpcompare.geometry.scale import bounding_box_diagonal
 from lpcompare.types import Indices, Points, Simplification, Traits, Vector
 from lpcompare_baselines._elimination import SIGNATURE, eliminate
-from lpcompare_baselines._hoods import nearest_others
 
 TRAITS = Traits(
     wraps="scipy.spatial.Delaunay, lpcompare (numba)",
@@ -86,7 +86,7 @@ def feature_sizes(points: Points) -> Vector:
 
 def _second_poles(delaunay: Delaunay) -> Points:
     """Offset of each point's second pole, shape (n, 3); zero where there is none."""
-    n, corners = len(delaunay.points), delaunay.simplices
+    n, corners = len(delaunay.points), delaunay.simplices.astype(np.intp)
     away = _centers(delaunay.points[corners])[:, None] - delaunay.points[corners]
     finite = np.isfinite(away).all(axis=(1, 2))
     rows, away = corners[finite].ravel(), away[finite].reshape(-1, 3)

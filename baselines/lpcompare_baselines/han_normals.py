@@ -24,9 +24,10 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from lpcompare.geometry.graphs import nearest_others
 from lpcompare.types import Mask, Points, Simplification, Traits
 from lpcompare_baselines._elimination import SIGNATURE, eliminate
-from lpcompare_baselines._hoods import IndexArray, nearest_others, normals_and_variation, on_rim, thinned
+from lpcompare_baselines._hoods import IndexArray, normals_and_variation, on_rim, thinned
 
 TRAITS = Traits(
     wraps="lpcompare (numpy, scipy, numba)",

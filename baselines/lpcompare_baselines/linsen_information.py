@@ -19,9 +19,10 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from lpcompare.geometry.graphs import nearest_others
 from lpcompare.types import Points, Simplification, Traits
 from lpcompare_baselines._elimination import SIGNATURE, eliminate
-from lpcompare_baselines._hoods import nearest_others, normals_and_variation
+from lpcompare_baselines._hoods import normals_and_variation
 from lpcompare_baselines._plane_kernel import dot, fit_plane
 
 TRAITS = Traits(

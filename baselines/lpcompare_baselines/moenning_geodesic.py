@@ -21,10 +21,13 @@ Decisions:
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from lpcompare.types import Points, Simplification, Traits
 from lpcompare_baselines._geodesic import geodesic_farthest_points, surface_graph
+from lpcompare_baselines._orders import first_of
 
 TRAITS = Traits(
     wraps="lpcompare (scipy, numba)",
@@ -67,7 +70,6 @@ def moenning_geodesic(
     """
     surface = surface_graph(points, n_neighbors, feature_weight)
     order, distances = geodesic_farthest_points(surface, target_count)
-    ranks = np.argsort(order, kind="stable")
-    indices = order[ranks]
-    info = {"order": ranks, "covering_distance": float(distances.max()), "n_parts": len(surface.firsts)}
-    return Simplification(points[indices], indices, info=info)
+    kept = first_of(points, order, target_count)
+    info = {"covering_distance": float(distances.max()), "n_parts": len(surface.firsts)}
+    return replace(kept, info={**kept.info, **info})

@@ -27,8 +27,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from lpcompare.geometry.graphs import nearest_others
 from lpcompare.types import Indices, Mask, Points, Simplification, Traits, Vector
-from lpcompare_baselines._hoods import nearest_others, normals_and_variation
+from lpcompare_baselines._hoods import normals_and_variation
 
 TRAITS = Traits(
     wraps="lpcompare (numpy, scipy)",

@@ -26,10 +26,11 @@ import numpy as np
 from numba import njit
 from scipy.spatial import KDTree
 
-from lpcompare.types import Indices, Points, Simplification, Traits
+from lpcompare.geometry.graphs import nearest_others
+from lpcompare.types import Indices, Mask, Points, Simplification, Traits
 from lpcompare_baselines._calibration import search_size, surface_spacing
 from lpcompare_baselines._heap import pop, settle
-from lpcompare_baselines._hoods import nearest_others, normals_and_variation, on_rim, thinned
+from lpcompare_baselines._hoods import normals_and_variation, on_rim, thinned
 from lpcompare_baselines._plane_kernel import dot
 
 TRAITS = Traits(
@@ -86,7 +87,7 @@ def shi_kmeans(
 
 
 def _first_clusters(
-    points: Points, rim: Indices, target_count: int, most_rim: int
+    points: Points, rim: Mask, target_count: int, most_rim: int
 ) -> tuple[float, Indices, Indices]:
     """Space interval, cluster of each point and the rim points kept: fewer clusters than points are asked for."""
     tree = KDTree(points)
@@ -119,7 +120,7 @@ def cover(points: Points, tree: KDTree, interval: float) -> Indices:
     return cluster
 
 
-def _is_boundary(points: Points, cluster: Indices, interval: float) -> Indices:
+def _is_boundary(points: Points, cluster: Indices, interval: float) -> Mask:
     """Whether fewer than six other centroids lie within sqrt(3) intervals of each cluster's."""
     n_in, origin = np.bincount(cluster), points.mean(axis=0)
     centroids = np.column_stack([np.bincount(cluster, c) for c in (points - origin).T]) / n_in[:, None]
@@ -155,7 +156,7 @@ def largest_deviation(normals, members):
 @njit("i8(f8[:,::1], i8[::1], i8, i8)", cache=True)
 def two_means(points, members, first, second):
     """Sort members into two groups by Lloyd's steps from two of them; returns the size of the first group."""
-    means = np.empty((2, 3))
+    means, sizes = np.empty((2, 3)), np.zeros(2)
     means[0], means[1] = points[members[first]], points[members[second]]
     group = np.zeros(len(members), np.int64)
     for _ in range(_MEANS_STEPS):

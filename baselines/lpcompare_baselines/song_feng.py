@@ -25,9 +25,10 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from lpcompare.geometry.graphs import nearest_others
 from lpcompare.types import Mask, Points, Simplification, Traits
 from lpcompare_baselines._elimination import SIGNATURE, eliminate
-from lpcompare_baselines._hoods import nearest_others, normals_and_variation, thinned
+from lpcompare_baselines._hoods import normals_and_variation, thinned
 from lpcompare_baselines._plane_kernel import dot, fit_plane
 
 TRAITS = Traits(
@@ -120,6 +121,7 @@ def _two_groups(normals: NDArray[np.float64]) -> tuple[list[Points], list[Mask]]
     farthest = cosines.reshape(len(normals), -1).argmin(axis=1)
     every = np.arange(len(normals))
     directions = [normals[every, seed] for seed in np.divmod(farthest, normals.shape[1])]
+    members = [np.ones(normals.shape[:2], bool)] * 2
     for _ in range(_MEANS_STEPS):
         along = [np.einsum("qki,qi->qk", normals, direction) for direction in directions]
         first = np.abs(along[0]) >= np.abs(along[1])

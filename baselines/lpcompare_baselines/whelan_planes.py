@@ -33,9 +33,10 @@ import numpy as np
 from numba import njit
 
 from lpcompare.geometry.frames import tangents
+from lpcompare.geometry.graphs import nearest_others
 from lpcompare.types import Indices, Mask, Points, Simplification, Traits, Vector
 from lpcompare_baselines._calibration import search_size
-from lpcompare_baselines._hoods import IndexArray, nearest_others, normals_and_variation, on_rim, thinned
+from lpcompare_baselines._hoods import IndexArray, normals_and_variation, on_rim, thinned
 
 TRAITS = Traits(
     wraps="lpcompare (numpy, scipy, numba)",
