@@ -1,0 +1,57 @@
+"""CloudCompare's command line, without a window."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+from plyfile import PlyData
+
+from lpcompare.geometry.scale import bounding_box_center
+from lpcompare.types import Indices, Points
+
+_LOW = 2**16
+_QUIET = "-SILENT -AUTO_SAVE OFF -NO_TIMESTAMP -C_EXPORT_FMT PLY -PLY_EXPORT_FMT BINARY_LE -O in.ply -SS"
+_TYPE = [(name, "<f4") for name in ("x", "y", "z", "scalar_low", "scalar_high")]
+
+
+def subsample(points: Points, method: str, parameter: float) -> Indices:
+    """Rows that ``CloudCompare -SS`` keeps, ascending.
+
+    The cloud goes through a file in single precision, about the centre of its bounding box; the row numbers go
+    with it as two scalar fields, each exact in single precision.
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, 3)
+    method : str
+        "RANDOM", "SPATIAL" or "OCTREE".
+    parameter : float
+        Number of points, distance in model units, or level.
+    """
+    rows = np.arange(len(points))
+    table = np.empty(len(points), dtype=_TYPE)
+    columns = [*(points - bounding_box_center(points)).T, rows % _LOW, rows // _LOW]
+    for (name, _), column in zip(_TYPE, columns, strict=True):
+        table[name] = column
+    properties = "".join(f"property float {name}\n" for name, _ in _TYPE)
+    head = f"ply\nformat binary_little_endian 1.0\nelement vertex {len(points)}\n{properties}end_header\n"
+    with TemporaryDirectory() as folder:
+        (Path(folder) / "in.ply").write_bytes(head.encode() + table.tobytes())
+        words = [
+            "CloudCompare",
+            *_QUIET.split(),
+            method,
+            f"{parameter:.9g}",
+            "-SAVE_CLOUDS",
+            "FILE",
+            "out.ply",
+        ]
+        environment = os.environ | {"QT_QPA_PLATFORM": "offscreen"}
+        subprocess.run(words, cwd=folder, env=environment, capture_output=True, check=True)
+        kept = PlyData.read(Path(folder) / "out.ply", mmap=False)["vertex"].data
+    low, high = (kept[name].astype(np.intp) for name in ("scalar_low", "scalar_high"))
+    return np.sort(high * _LOW + low)

@@ -1,0 +1,76 @@
+"""CloudCompare's spatial subsampling, by its command line: no two kept points are nearer than a distance.
+
+The distance is searched outside the clock. The call includes starting the program and going through files.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from lpcompare.geometry.scale import bounding_box_diagonal
+from lpcompare.types import Points, Simplification, Traits
+from lpcompare_baselines._calibration import search_size, surface_spacing
+from lpcompare_baselines._cloudcompare import subsample
+from lpcompare_baselines._guards import check_distinct, check_resolved
+
+TRAITS = Traits(
+    wraps="CloudCompare -SS SPATIAL",
+    source="CloudCompare, https://www.cloudcompare.org",
+    licence="GPL-2.0-or-later",
+    family="spacing",
+    exact_count=False,
+    programs=("CloudCompare",),
+    install="apt install cloudcompare, or from https://www.cloudcompare.org",
+)
+
+_MOST_CALLS = 20
+"""Calls of the search: each starts the program."""
+_FINEST = 2e-6
+"""The smallest distance that is tried, as a share of the diagonal: single precision tells no less apart."""
+
+
+def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) -> dict[str, float]:
+    """Distance, in model units, whose count is nearest to ``target_count``.
+
+    Raises
+    ------
+    NotApplicable
+        Fewer points are apart than are asked for.
+    """
+    finest = _FINEST * bounding_box_diagonal(points)
+    check_distinct(points, target_count)
+    check_resolved(points, target_count, finest)
+    start = surface_spacing(points, target_count)
+    return {
+        "distance": search_size(
+            lambda d: len(subsample(points, "SPATIAL", d)),
+            target_count,
+            start,
+            smallest=finest,
+            max_calls=_MOST_CALLS,
+        )
+    }
+
+
+def cloudcompare_spatial(
+    points: Points, target_count: int, *, rng: np.random.Generator, distance: float
+) -> Simplification:
+    """Keep points that are ``distance`` apart.
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, 3)
+    target_count : int
+        From 1 to the number of distinct points.
+    rng : numpy.random.Generator
+        Not used: the method is deterministic.
+    distance : float
+        In model units.
+
+    Returns
+    -------
+    Simplification
+        A subset of the input, of about ``target_count`` points.
+    """
+    indices = subsample(points, "SPATIAL", distance)
+    return Simplification(points[indices], indices)
