@@ -57,7 +57,7 @@ def run(
     models : sequence of str, PointCloud or array_like, shape (n, 3)
         Names that `lpcompare.models` lists, files, or clouds; a cloud without a name is called ``cloud``.
     methods : sequence of str, optional
-        Registered methods. Default: all that are installed.
+        Registered methods, or "all" for every one installed. Default: those of the study `default`.
     out : str or Path, optional
         Folder of the run. Default: a temporary one, which lives as long as the run that is returned.
     resume : bool

@@ -144,9 +144,12 @@ def build_plan(
     return plan
 
 
-def default_methods() -> tuple[str, ...]:
-    """Every method that this installation of lpcompare can run, optional ones where their extra is there."""
-    return tuple(name for name in METHODS if not METHODS.missing(name))
+def choose_methods(asked: Iterable[str] | None) -> tuple[str, ...]:
+    """The methods asked for; by default those of the default study, for ``all`` every one that can run here."""
+    asked = tuple(asked or ())
+    if "all" in asked:
+        return tuple(name for name in METHODS if not METHODS.missing(name))
+    return asked or tuple(read_study("default").get("methods", ()))
 
 
 def choose_metrics(asked: Iterable[str]) -> tuple[str, ...]:
@@ -169,7 +172,7 @@ def variants(methods: Iterable[str] | None, settings: Mapping[str, Mapping[str, 
     UnknownName, InputError
         A method or setting that does not exist, or settings of a method that is not part of the study.
     """
-    methods = tuple(methods or default_methods())
+    methods = choose_methods(methods)
     check_names((*methods, *settings))
     for method in settings:
         if method not in methods:

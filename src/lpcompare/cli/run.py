@@ -28,7 +28,10 @@ def command(
         Many, typer.Option("--model", metavar="NAME", help="A name, or a file. May be repeated.")
     ] = None,
     method: Annotated[
-        Many, typer.Option("--method", metavar="NAME", help="May be repeated. Default: all installed.")
+        Many,
+        typer.Option(
+            "--method", metavar="NAME", help="May be repeated; 'all': every one installed. Default: 17."
+        ),
     ] = None,
     reduction: Annotated[
         list[float] | None,
@@ -113,7 +116,7 @@ def _default_folder(name: str) -> Path:
 
 def _plan(study: str, flags: dict[str, Any], assignments: list[str], machine: dict[str, Any]) -> Plan:
     """The plan: flags go before the study, the study before the defaults."""
-    from lpcompare.benchmark.study import build_plan, default_methods, parse_assignments, read_study
+    from lpcompare.benchmark.study import build_plan, choose_methods, parse_assignments, read_study
     from lpcompare.errors import InputError
 
     fields: Any = dict(read_study(study)) if study else {}
@@ -126,7 +129,7 @@ def _plan(study: str, flags: dict[str, Any], assignments: list[str], machine: di
     fields |= flags
     if not fields.get("models"):
         raise InputError("No model is named; say for example --model bunny.")
-    for name, chosen in parse_assignments(assignments, fields.get("methods") or default_methods()).items():
+    for name, chosen in parse_assignments(assignments, choose_methods(fields.get("methods"))).items():
         settings[name] = {**settings.get(name, {}), **chosen}
     return build_plan(fields | {"settings": settings}, **machine)
 

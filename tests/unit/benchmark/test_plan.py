@@ -9,8 +9,8 @@ from lpcompare.benchmark.perturbation import CLEAN
 from lpcompare.benchmark.plan import Plan, Variant
 from lpcompare.benchmark.study import (
     build_plan,
+    choose_methods,
     choose_metrics,
-    default_methods,
     parse_assignments,
     perturbations,
     preset_names,
@@ -83,10 +83,11 @@ def test_an_unknown_protocol_is_refused():
         Plan(("a",), (Variant("x"),), protocol="fair").check()
 
 
-def test_default_methods_are_those_installed(monkeypatch):
-    assert set(default_methods()) == {name for name in METHODS if not METHODS.missing(name)}
-    monkeypatch.setattr(type(METHODS), "missing", lambda _, name: "" if name == "cgal_grid" else "absent")
-    assert default_methods() == ("cgal_grid",)
+def test_the_default_methods_need_no_extra_and_all_are_those_installed(monkeypatch):
+    assert len(choose_methods(None)) == 17
+    assert not any(METHODS.traits(name).extra for name in choose_methods(()))
+    assert choose_methods(["all"]) == tuple(name for name in METHODS if not METHODS.missing(name))
+    assert choose_methods(["lp_density"]) == ("lp_density",)
 
 
 def test_slow_metrics_run_only_when_asked_for():
