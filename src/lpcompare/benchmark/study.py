@@ -127,8 +127,10 @@ def build_plan(
     ------
     UnknownName, InputError
     """
-    chosen = {"models": [], **fields}
-    given = {k: tuple(v) if isinstance(v, list) else v for k, v in chosen.items() if k in _DIRECT}
+    chosen: dict[str, Any] = {"models": [], **fields}
+    given: dict[str, Any] = {
+        k: tuple(v) if isinstance(v, list) else v for k, v in chosen.items() if k in _DIRECT
+    }
     share = max(1, jobs)
     memory = physical_memory_mib() * 3 // 4 // share if memory_limit_mib is None else memory_limit_mib
     plan = Plan(

@@ -6,7 +6,6 @@ import glob
 import os
 import shutil
 import sys
-import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -273,8 +272,10 @@ def _output(target: Path | str) -> Iterator[Path]:
     if isinstance(target, Path):
         yield target
         return
-    with tempfile.TemporaryDirectory(prefix="lpcompare-") as folder:
-        path = Path(folder) / "cloud.ply"
+    from lpcompare.children import temporary_folder
+
+    with temporary_folder() as folder:
+        path = folder / "cloud.ply"
         yield path
         with path.open("rb") as file:
             shutil.copyfileobj(file, sys.stdout.buffer)
