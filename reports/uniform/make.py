@@ -1,10 +1,10 @@
-"""Make the study of `lp_uniform` and `lp_placed`: thin every model, measure, and write records.csv and frontier.png.
+"""Make the study of `lp_uniform` and `lp_placed`: thin every model, measure, and write a table and frontier.png.
 
 Run it from the root of the repository::
 
     python reports/uniform/make.py --models FOLDER [--set development] [--methods lp_uniform ...] [--sweep]
 
-FOLDER holds the files that study.toml names. Results of rivals are kept in reports/local/uniform and not made
+FOLDER holds the files that models.toml names. Results of rivals are kept in reports/local/uniform and not made
 again; those of our own methods are made each time. Random choices have fixed seeds.
 """
 
@@ -52,8 +52,8 @@ class Variant:
 
 
 def study() -> dict[str, Any]:
-    """What study.toml says."""
-    return tomllib.loads((HERE / "study.toml").read_text(encoding="utf-8"))
+    """What models.toml says."""
+    return tomllib.loads((HERE / "models.toml").read_text(encoding="utf-8"))
 
 
 def load(entry: dict[str, Any], folder: Path) -> lp.PointCloud:
@@ -108,7 +108,7 @@ def boxes(rng: np.random.Generator) -> Iterator[tuple[np.ndarray, np.ndarray]]:
 
 
 def measured(cloud: lp.PointCloud, reduction: float, variant: Variant) -> dict[str, Any]:
-    """One row of records.csv; a rival's is read where it has been made before."""
+    """One row of the table; a rival's is read where it has been made before."""
     digest = hashlib.sha256(cloud.points.tobytes()).hexdigest()[:16]
     path = KEPT / f"{digest}-{reduction}-{variant.label.replace(' ', '-')}.json"
     if variant.method in RIVALS and path.exists():
@@ -125,11 +125,13 @@ def measured(cloud: lp.PointCloud, reduction: float, variant: Variant) -> dict[s
     return row
 
 
-def rows(entries: list[dict[str, Any]], folder: Path, variants: list[Variant]) -> Iterator[dict[str, Any]]:
+def rows(
+    entries: list[dict[str, Any]], folder: Path, variants: list[Variant], reductions: list[float]
+) -> Iterator[dict[str, Any]]:
     """Every case of the study; methods that need a mesh run where there is one."""
     for entry in entries:
         cloud = load(entry, folder)
-        for reduction in study()["reductions"]:
+        for reduction in reductions:
             for variant in variants:
                 if not variant.method.startswith("quadric") or cloud.faces is not None:
                     yield measured(cloud, reduction, variant)
@@ -137,11 +139,10 @@ def rows(entries: list[dict[str, Any]], folder: Path, variants: list[Variant]) -
 
 def sweep() -> list[Variant]:
     """The settings of the frontier."""
-    words, rounds = ("error", "coverage"), (0, 2, 12)
-    limits = (1.0, 1.1, 1.2, 1.4, 1.6, 1.8)
     return [
-        *(Variant("lp_uniform", {"emphasis": x}) for x in (*words, *limits)),
-        *(Variant("lp_uniform", {"n_rounds": n}) for n in rounds),
+        *(Variant("lp_uniform", {"emphasis": word}) for word in ("error", "coverage")),
+        *(Variant("lp_uniform", {"n_rounds": rounds}) for rounds in (0, 2, 12)),
+        *(Variant("lp_uniform", {"emphasis": word, "n_rounds": 12}) for word in ("error", "coverage")),
     ]
 
 
@@ -187,8 +188,9 @@ def main() -> None:
     parser.add_argument("--models", type=Path, required=True)
     parser.add_argument("--set", default="all", help="development, kept-apart, small or all")
     parser.add_argument("--methods", nargs="*", default=[*OURS, *RIVALS])
+    parser.add_argument("--reductions", nargs="*", type=float, default=study()["reductions"])
     parser.add_argument("--sweep", action="store_true", help="the settings of the frontier, on the small set")
-    parser.add_argument("--out", type=Path, default=HERE)
+    parser.add_argument("--out", type=Path, default=KEPT, help="folder of the tables")
     given = parser.parse_args()
     wanted = "small" if given.sweep else given.set
     entries = [
@@ -196,8 +198,9 @@ def main() -> None:
     ]
     variants = [Variant(m, {}) for m in given.methods] + (sweep() if given.sweep else [])
     found = []
+    given.out.mkdir(parents=True, exist_ok=True)
     target = given.out / ("sweep.csv" if given.sweep else "records.csv")
-    for row in rows(entries, given.models, variants):
+    for row in rows(entries, given.models, variants, given.reductions):
         found.append(row)
         print(row["model"], row["reduction"], row["method"], f"{row['plane_error_pct']:.4f}", flush=True)
         write_rows(target, found)
