@@ -52,10 +52,17 @@ LATER = (10000, 20000)
 """Counts at which the contraction of igea is measured too."""
 MESH = "mesh of quadric_collapse"
 """A row of its own: the distance to the triangles themselves, not to a surface made from the points."""
-PUBLISHED = {"pauly_incremental": 6.32e-4, "pauly_hierarchical": 6.14e-4, "pauly_iterative": 5.43e-4, "pauly_particle": 5.69e-4}  # fmt: skip
+PUBLISHED = {
+    "pauly_incremental": 6.32e-4,
+    "pauly_hierarchical": 6.14e-4,
+    "pauly_iterative": 5.43e-4,
+    "pauly_particle": 5.69e-4,
+}
 """Mean error on David, 2,000,606 points to 5,000."""
-COLUMNS = ("model", "method", "settings", "n_input", "target_count", "n_output", "runtime_s", "plane_error_pct",
-           "mls_mean", "mls_max", *(f"mls_mean_k{k}" for k in SWEEP), "hausdorff_pct", "mesh_mean", "mesh_max")  # fmt: skip
+COLUMNS = (
+    "model", "method", "settings", "n_input", "target_count", "n_output", "runtime_s", "plane_error_pct",
+    "mls_mean", "mls_max", *(f"mls_mean_k{k}" for k in SWEEP), "hausdorff_pct", "mesh_mean", "mesh_max",
+)  # fmt: skip
 
 Row = dict[str, Any]
 
@@ -155,8 +162,8 @@ def run(folder: Path) -> None:
 
 def figure_13(rows: list[Row]) -> list[str]:
     """One line per method on igea, beside the publication's."""
-    lines = [_line("method", "mean", "max", *(f"mean, k = {k}" for k in SWEEP), "eq. 27 [%]", "Hausdorff [%]", "seconds"),
-             _line("---", *["---:"] * (len(SWEEP) + 5))]  # fmt: skip
+    errors = "mean", "max", *(f"mean, k = {k}" for k in SWEEP)
+    lines = _head("method", *errors, "eq. 27 [%]", "Hausdorff [%]", "seconds")
     lines.append(_line("published: iterative", "5.58e-05", "0.0011", *[""] * (len(SWEEP) + 2), "3.5"))
     lines.append(_line("published: QSlim on the mesh", "5.56e-05", "0.0012", *[""] * (len(SWEEP) + 2), "3.5"))
     for row in rows:
@@ -173,7 +180,7 @@ def figure_13(rows: list[Row]) -> list[str]:
 def ratios(rows: list[Row]) -> list[str]:
     """One line per model: the mean error of each method over that of the incremental clustering."""
     methods = [*FOUR[1:], "lp_uniform", "lp_placed"]
-    lines = [_line("model", "points", "kept", *(f"`{m}`" for m in methods)), _line("---", *["---:"] * (len(methods) + 2))]  # fmt: skip
+    lines = _head("model", "points", "kept", *(f"`{m}`" for m in methods))
     printed = (f"{PUBLISHED[m] / PUBLISHED[FOUR[0]]:.2f}" if m in PUBLISHED else "" for m in methods)
     lines.append(_line("published: David", "2,000,606", "5,000", *printed))
     found: dict[str, list[float]] = {m: [] for m in methods}
@@ -199,10 +206,7 @@ def _figure_share(row: Row) -> bool:
 
 def seconds(rows: list[Row]) -> list[str]:
     """One line per model: seconds of each of the four methods."""
-    lines = [
-        _line("model", "points", "kept", *(f"`{m}`" for m in FOUR)),
-        _line("---", *["---:"] * (len(FOUR) + 2)),
-    ]
+    lines = _head("model", "points", "kept", *(f"`{m}`" for m in FOUR))
     for model in MODELS:
         by = {r["method"]: r for r in rows if r["model"] == model and not r["settings"] and _figure_share(r)}
         if all(m in by for m in FOUR):
@@ -211,6 +215,10 @@ def seconds(rows: list[Row]) -> list[str]:
                 _line(model, *(f"{int(x):,}" for x in n), *(f"{by[m]['runtime_s']:.1f}" for m in FOUR))
             )
     return lines
+
+
+def _head(*titles: str) -> list[str]:
+    return [_line(*titles), _line("---", *["---:"] * (len(titles) - 1))]
 
 
 def _line(*cells: str) -> str:
