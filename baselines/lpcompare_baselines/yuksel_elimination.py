@@ -19,14 +19,13 @@ for each m; on three shapes its least distance was .64 to .67 r_max at 90 and 97
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
 from lpcompare.geometry.graphs import nearest_others
 from lpcompare.types import Indices, Points, Simplification, Traits, Vector
+from lpcompare_baselines._grid import CellGrid
 from lpcompare_baselines._growing_heap import heap_of, pop, sink
 from lpcompare_baselines._orders import copies_last, first_of
 
@@ -40,7 +39,6 @@ TRAITS = Traits(
 )
 
 _AREA_NEIGHBORS = 8
-_MOST_CELLS = 2**20
 
 
 def yuksel_elimination(points: Points, target_count: int, *, rng: np.random.Generator) -> Simplification:
@@ -89,48 +87,9 @@ def eliminate(points: Points, n_left: int, area: float) -> Indices:
     """Places of the points that go, in the order of their going, shape (n - n_left,); steps 1 to 3."""
     reach = 2 * np.sqrt(area / (2 * np.sqrt(3) * n_left))
     least = reach * 0.65 * (1 - (n_left / len(points)) ** 1.5)
-    grid = _Grid.over(points, reach)
+    grid = CellGrid.over(points, reach)
     gone = _eliminate(points[grid.order], grid.cells, grid.starts, grid.around, n_left, reach, least)
     return grid.order[gone]
-
-
-@dataclass(frozen=True, eq=False)
-class _Grid:
-    """Points in cubes as wide as the reach, so that a point's neighbours lie in the 27 cubes around it.
-
-    Attributes
-    ----------
-    order : ndarray of int, shape (n,)
-        The points sorted by cube.
-    cells : ndarray of int, shape (n,)
-        Number of the cube of each point, in that order.
-    starts : ndarray of int, shape (c + 1,)
-        Where each occupied cube's points begin in that order.
-    around : ndarray of int, shape (c, 27)
-        The occupied cubes around each one, itself among them; -1 where there is none.
-    """
-
-    order: Indices
-    cells: Indices
-    starts: Indices
-    around: NDArray[np.intp]
-
-    @classmethod
-    def over(cls, points: Points, reach: float) -> _Grid:
-        """Lay the grid; one far outlier may make the cubes wider than the reach."""
-        low = points.min(axis=0)
-        side = max(reach, float(np.ptp(points, axis=0).max()) / _MOST_CELLS) or 1.0
-        cubes = ((points - low) / side).astype(np.int64) + 1
-        _, along_y, along_z = cubes.max(axis=0) + 2
-        strides = np.array([along_y * along_z, along_z, 1])
-        keys = cubes @ strides
-        order = np.argsort(keys, kind="stable")
-        occupied, starts, cells = np.unique(keys[order], return_index=True, return_inverse=True)
-        steps = np.stack(np.meshgrid(*[(-1, 0, 1)] * 3), axis=-1).reshape(27, 3) @ strides
-        wanted = occupied[:, None] + steps
-        around = np.minimum(np.searchsorted(occupied, wanted), len(occupied) - 1)
-        around[occupied[around] != wanted] = -1
-        return cls(order, cells, np.append(starts, len(points)), around)
 
 
 @njit(cache=True)

@@ -3,11 +3,13 @@
 import numpy as np
 import pytest
 from scipy.sparse import csr_array
+from scipy.stats import spearmanr
 
 from lpcompare.geometry.graphs import gaussian_graph, high_pass_energy, nearest_others
 from lpcompare.geometry.shares import nearest_shares
 from lpcompare.registry import METHODS
 from lpcompare_baselines.chen_graph import chen_graph
+from lpcompare_baselines.leal_saliency import leal_saliency, sparse_codes
 from lpcompare_baselines.mahdaoui_entropy import mahdaoui_entropy
 from lpcompare_baselines.qi_graph import qi_graph, solve_shares
 
@@ -115,3 +117,24 @@ def test_cloudcompare_draws_at_random_as_numpy_does():
         counts = np.bincount(rows // 200, minlength=10)
         assert counts.sum() == 500
         assert ((counts - 50) ** 2 / 50).sum() < limit
+
+
+def test_leal_keeps_more_where_the_saliency_is_high():
+    points = cube(40)
+    result = leal_saliency(points, len(points) // 10, rng=rng())
+    saliency = result.info["saliency"]
+    tenth = (np.argsort(np.argsort(saliency)) * 10) // len(points)
+    shares = np.bincount(tenth[result.indices], minlength=10) / np.bincount(tenth)
+    assert spearmanr(np.arange(10), shares).statistic > 0.5
+    assert 0 <= saliency.min() <= saliency.max() <= 1
+
+
+def test_sparse_codes_use_few_atoms_and_lower_the_error():
+    features, atoms = rng(1).normal(size=(300, 7)), rng(2).normal(size=(32, 7))
+    atoms /= np.linalg.norm(atoms, axis=1, keepdims=True)
+    codes = sparse_codes(features, atoms)
+    assert (codes != 0).sum(axis=1).max() <= 3
+    left = np.linalg.norm(features - codes @ atoms, axis=1) / np.linalg.norm(features, axis=1)
+    one = np.sqrt(1 - (np.abs(features @ atoms.T).max(axis=1) / np.linalg.norm(features, axis=1)) ** 2)
+    assert (left <= one + 1e-9).all()
+    assert left.mean() < 0.8 * one.mean()
