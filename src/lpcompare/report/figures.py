@@ -46,7 +46,7 @@ _AREA = 60_000
 """Points of unit area that cover a cloud in a picture."""
 
 _PICTURES = ("kept", "errors", "surfaces", "curvature")
-_BARS = {"errors": "Plane error (eq. 27) [% of diagonal]", "curvature": "Absolute curvature [1 / model unit]"}
+_BARS = {"errors": "Plane error [% of diagonal]", "curvature": "Curvature [1 / model unit]"}
 
 
 def write_figures(run: Run, folder: Path, reference: str = "") -> list[Path]:
@@ -159,14 +159,15 @@ def draw_results(figure: Figure, run: Run, model: str, table: pd.DataFrame, what
         axes.set_title(title, fontsize=9)
         axes.set(xlim=grid[0].get_xlim(), ylim=grid[0].get_ylim())
     if shown is not None and what in _BARS:
-        figure.colorbar(shown, ax=list(grid), shrink=0.9, label=_BARS[what], extend="max")
+        bar = figure.colorbar(shown, ax=list(grid), shrink=0.9, extend="max")
+        bar.set_label(_BARS[what], fontsize=8)
 
 
 def results_still(run: Run, model: str, table: pd.DataFrame) -> str:
     """The errors of some results as a PNG in base64, for a page."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(2.4 * (len(table) + 1) + 1, 2.8), layout="constrained")
+    figure = Figure(figsize=(2.4 * (len(table) + 1) + 1, 3.0), layout="constrained")
     draw_results(figure, run, model, table, "errors")
     return _encoded(figure)
 

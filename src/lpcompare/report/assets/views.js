@@ -5,7 +5,7 @@ const MOST_VIEWS = 6;
 const MARKS = { removed: [196, 201, 208], kept: [0, 114, 178], feature: [213, 94, 0] };
 const view = {
   models: [], model: null, reduction: null, colour: "error", keptOnly: false, methods: [], size: 1, layout: "side", swipe: 0.5, ends: null,
-  full: null, picked: null, blink: 0, most: Infinity,
+  full: null, picked: null, blink: 0, most: Infinity, coarse: 1,
 };
 
 function byId(id) {
@@ -176,7 +176,7 @@ function requestDraw() {
   asked ||= requestAnimationFrame(() => { asked = 0; drawAll(); });
 }
 
-// While the camera moves, only as many points as keep up; all of them once it rests. The points are in random order.
+// While the camera moves, only as many points and pixels as keep up; all of them once it rests. The points are in random order.
 function moving() {
   clearTimeout(rest);
   rest = setTimeout(() => { view.most = Infinity; requestDraw(); }, 250);
@@ -185,20 +185,20 @@ function moving() {
 }
 
 function drawAll() {
-  const began = performance.now(), drawn = panels().filter((panel) => panel.entries && (view.full === null || panel.classList.contains("full")));
-  for (const panel of drawn) drawPanel(panel);
+  const began = performance.now(), still = view.most === Infinity, ground = rgbOf("--panel"), drawn = panels().filter((panel) => panel.entries && (view.full === null || panel.classList.contains("full")));
+  for (const panel of drawn) drawPanel(panel, ground, still ? 1 : view.coarse);
   const took = performance.now() - began;
-  if (view.most !== Infinity) view.pace = Math.max(20_000, Math.min(4_000_000, view.most * (took > 70 ? 0.6 : took < 30 ? 1.3 : 1)));
-  if (view.most !== Infinity) view.most = view.pace;
+  if (took > 100) view.coarse = 0.6;
+  if (!still) view.most = view.pace = Math.max(20_000, Math.min(4_000_000, view.most * (took > 70 ? 0.6 : took < 30 ? 1.3 : 1)));
   byId("view-grid").dataset.drawn = drawn.length;
 }
 
-function drawPanel(panel) {
-  const canvas = panel.querySelector("canvas"), ratio = Math.min(2, devicePixelRatio);
+function drawPanel(panel, ground, share) {
+  const canvas = panel.querySelector("canvas"), ratio = share * Math.min(2, devicePixelRatio);
   const [width, height] = [canvas.clientWidth, canvas.clientHeight].map((side) => Math.max(1, Math.round(side * ratio)));
   if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
   const context = canvas.getContext("2d"), seen = project(view.model, width / height);
-  const options = { size: pointSize(), ground: rgbOf("--panel"), most: view.most };
+  const options = { size: pointSize(), ground, most: view.most };
   const [first, second] = view.layout === "blink" && view.blink ? panel.entries.toReversed() : panel.entries;
   paint(context, layersOf(first), seen, options);
   if (view.layout === "swipe" && panel.entries.length > 1) swipe(context, layersOf(second), seen, options);
