@@ -15,7 +15,7 @@ from lpcompare.types import Indices, Points, Vector
 from lpcompare_baselines._heap import pop, settle
 from lpcompare_baselines._hoods import normals_and_variation
 
-_STEEPEST = 0.8
+_STEEPEST = 0.5
 """Sine of the angle to the surface, at both ends, from which an edge of the graph leaves it."""
 _WIDEST_TURN = 0.5
 """Cosine of the angle between the normals at the ends of a long edge, below which the edge leaves the surface."""

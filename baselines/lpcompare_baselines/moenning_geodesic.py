@@ -12,6 +12,7 @@ Decisions:
 
 - Distances are shortest paths over a graph of the nearest neighbors, not over a grid. A grid joins sheets that
   are closer than its cells. Edges of the graph that leave the surface are cut; see ``_geodesic.surface_graph``.
+  At a gap of one spacing of the input, some edges between two sheets remain.
   Such paths are a few per cent longer than the surface's, in all directions alike.
 - The next sample is the farthest input point: on a graph that is where fronts meet.
 - Each connected part of the graph begins with one sample, the largest part first: the point farthest from its
