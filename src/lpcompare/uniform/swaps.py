@@ -270,6 +270,6 @@ def _balance(labels, shares, counts, sums, tolerance, added, dropped):
 @njit(cache=True, nogil=True)
 def _cluster_balance(total, count, change, points, tolerance):
     """`_balance` of one cluster, whose sum changes by ``change`` and whose count by ``points``."""
-    before = max(deviation(total, count) - tolerance, 0.0) * count
-    after = max(deviation(total + change, count + points) - tolerance, 0.0) * (count + points)
-    return after == 0 or after < before, before - after
+    before = max(deviation(total, count) - tolerance, 0.0)
+    after = max(deviation(total + change, count + points) - tolerance, 0.0)
+    return after == 0 or after < before, (before - after) * count
