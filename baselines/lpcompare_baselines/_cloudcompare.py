@@ -52,6 +52,7 @@ def subsample(points: Points, method: str, parameter: float) -> Indices:
         ]
         environment = os.environ | {"QT_QPA_PLATFORM": "offscreen"}
         subprocess.run(words, cwd=folder, env=environment, capture_output=True, check=True)
-        kept = PlyData.read(Path(folder) / "out.ply", mmap=False)["vertex"].data
+        file = PlyData.read(Path(folder) / "out.ply", mmap=False)  # pyright: ignore[reportArgumentType]
+        kept = file["vertex"].data
     low, high = (kept[name].astype(np.intp) for name in ("scalar_low", "scalar_high"))
     return np.sort(high * _LOW + low)

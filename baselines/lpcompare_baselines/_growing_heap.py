@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numba import njit
 
@@ -19,7 +21,7 @@ def heap_of(keys: Vector) -> tuple[Indices, Indices]:
 
 
 @njit(cache=True)
-def sink(heap: Indices, places: Indices, keys: Vector, place: int, size: int) -> None:
+def sink(heap: Indices, places: Indices, keys: Vector, place: Any, size: int) -> None:
     """Move the row at a place down to where its key belongs, after the key has grown."""
     row = heap[place]
     while 2 * place + 1 < size:
@@ -46,5 +48,5 @@ def pop(heap: Indices, places: Indices, keys: Vector, size: int) -> int:
 
 
 @njit(cache=True)
-def _before(keys: Vector, row: int, other: int) -> bool:
+def _before(keys: Vector, row: Any, other: Any) -> bool:
     return keys[row] < keys[other] or (keys[row] == keys[other] and row > other)

@@ -13,7 +13,8 @@ from lpcompare.types import Indices, Points
 
 def point_cloud(points: Points) -> Any:
     """The points as a MeshLib cloud in single precision, about the centre of their bounding box."""
-    return mrmeshnumpy.pointCloudFromPoints(points - bounding_box_center(points))
+    centred: Any = points - bounding_box_center(points)
+    return mrmeshnumpy.pointCloudFromPoints(centred)
 
 
 def rows_of(kept: Any) -> Indices:

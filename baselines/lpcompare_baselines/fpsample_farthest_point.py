@@ -56,7 +56,7 @@ def fpsample_farthest_point(points: Points, target_count: int, *, rng: np.random
     if len(points) < _FEWEST:
         raise NotApplicable(f"fpsample takes {_FEWEST} points or more, and the cloud has {len(points)}.")
     centred = (points - bounding_box_center(points)).astype(np.float32)
-    check_distinct(centred, target_count)
+    check_distinct(centred.astype(np.float64), target_count)
     height = min(_LARGEST_HEIGHT, max(1, int(np.log2(len(points)) / 2)))
     first = int(rng.integers(len(points)))
     rows = fpsample.bucket_fps_kdline_sampling(centred, target_count, height, first).astype(np.intp)

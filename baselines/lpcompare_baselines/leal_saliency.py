@@ -107,7 +107,7 @@ def sparse_saliency(features: Array, rng: np.random.Generator) -> Vector:
     for _ in range(_ROUNDS):
         codes = sparse_codes(features, atoms)
         ridge = 1e-6 * n * np.eye(_ATOMS)
-        fitted = np.linalg.solve(codes.T @ codes + ridge, codes.T @ features)
+        fitted = np.asarray(np.linalg.solve(codes.T @ codes + ridge, codes.T @ features), dtype=np.float64)
         used = (codes != 0).any(axis=0)
         atoms = np.where(used[:, None], _unit(fitted), atoms)
     codes = sparse_codes(features, atoms)

@@ -56,14 +56,14 @@ def check_points(values: object, where: str = "points") -> Points:
 
 def valid_rows(points: Points) -> Mask:
     """Which rows have three finite coordinates, shape (n,)."""
-    return np.isfinite(points).all(axis=1)
+    return np.asarray(np.isfinite(points).all(axis=1))
 
 
 def _numbers(values: object, where: str) -> np.ndarray:
     """The values as an array of numbers; masked ones become NaN."""
     try:
         if isinstance(values, np.ma.MaskedArray):
-            return values.astype(np.float64).filled(np.nan)
+            return np.ma.filled(values.astype(np.float64), np.nan)
         array = np.asarray(values)
         if array.dtype.kind not in "iuf":
             raise TypeError

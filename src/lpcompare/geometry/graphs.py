@@ -60,7 +60,7 @@ def gaussian_graph(points: Points, n_neighbors: int) -> csr_array:
     weights = np.exp(-squared / (squared.mean() if squared.any() else 1.0))
     n, k = rows.shape
     graph = csr_array((weights, (np.repeat(np.arange(n), k), rows.ravel())), shape=(n, n))
-    return graph.maximum(graph.T)
+    return csr_array(graph.maximum(graph.T))
 
 
 def high_pass(graph: csr_array, points: Points) -> Points:

@@ -160,7 +160,7 @@ def _fetched(model: Model, cache_folder: Path | None) -> Path:
     try:
         if (folder / name).is_file() and not _is_right(folder / name, model):
             (folder / name).unlink()
-        return Path(store.fetch(name, downloader=download))
+        return Path(store.fetch(name, downloader=download))  # pyright: ignore[reportArgumentType]
     except requests.exceptions.HTTPError as error:
         raise ModelDataError(f"{model.url} could not be downloaded: the server answered {error}.") from error
     except requests.exceptions.RequestException as error:

@@ -115,4 +115,4 @@ def _change(state: _State, prices: _Prices, point: int, by: int) -> float:
         kept[rows[place]] += by
         after = abs(kept[rows[place]] - wanted)
         cost += price * (after - before) + hole_price * (max(after - 1, 0) - max(before - 1, 0))
-    return cost
+    return cost  # pyright: ignore[reportReturnType]

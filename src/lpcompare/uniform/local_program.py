@@ -119,7 +119,7 @@ def solve_tiles(
     """
     n_tiles, tolerance = check_integer("n_tiles", n_tiles, 0), check_number("gap", tolerance, 0.0)
     time_limit, mask = check_number("time_limit", time_limit, 0.0), mask.copy()
-    tiles = np.array_split(Neighbors(points).order, -(-len(points) // _TILE))
+    tiles = np.array_split(Neighbors(points).order.astype(np.intp), -(-len(points) // _TILE))
     bound, proof = program.bound(multipliers), "relaxation"
     if mask.all():
         bound, proof = program.cost(mask), "counting"

@@ -71,7 +71,7 @@ class Neighborhoods:
     @property
     def owners(self) -> Indices:
         """For each original, the position in ``kept`` of its nearest kept point, shape (n,)."""
-        return self._slots[self.lists[:, 0]]
+        return self._slots[self.lists[:, 0]].astype(np.intp)
 
     @property
     def points(self) -> Points:
@@ -80,7 +80,7 @@ class Neighborhoods:
 
     def rings(self, rows: Indices, size: int) -> Indices:
         """Positions in ``kept`` of the kept points nearest to each of the originals ``rows``."""
-        return self._slots[self.lists[rows, : min(size, len(self.kept))]]
+        return self._slots[self.lists[rows, : min(size, len(self.kept))]].astype(np.intp)
 
     def rank(self, limit: float) -> tuple[int, float]:
         """Originals beyond ``limit``, then the mean error: what a swap makes smaller."""

@@ -50,6 +50,7 @@ def place_points(tree: Neighbors, surface: Surface, rims: Rims, indices: Indices
     lengths = np.linalg.norm(steps, axis=1)
     steps *= np.minimum(1.0, _LARGEST_STEP * spacings / np.where(lengths > 0, lengths, 1.0))[:, None]
     limit = np.linalg.norm(points - sites[quadrics.owners], axis=1).max()
+    lost = np.zeros(len(sites), dtype=bool)
     for _ in range(_HALVINGS):
         moved = sites + steps
         reach = np.zeros(len(sites))

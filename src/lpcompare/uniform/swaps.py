@@ -92,7 +92,8 @@ def refine(points: Points, indices: Indices, *, n_rounds: int = 6, emphasis: str
     rows = np.empty(len(points), dtype=np.intp)
     rows[tree.order] = np.arange(len(points))
     normals = estimate_surface(tree).normals
-    return np.sort(tree.order[swap_points(tree, normals, rows[kept], n_rounds=n_rounds, emphasis=chosen)])
+    swapped = swap_points(tree, normals, rows[kept], n_rounds=n_rounds, emphasis=chosen)
+    return np.sort(tree.order[swapped].astype(np.intp))
 
 
 def swap_points(
@@ -168,7 +169,7 @@ def _effects(state: Neighborhoods, before: Vector, dropped: Indices, added: Indi
     changes = state.errors - before
     rows = np.flatnonzero(changes)
     nearest = Neighbors(points[candidates]).query(points[rows], 1)[1][:, 0]
-    totals = np.bincount(nearest, changes[rows], len(candidates))
+    totals: Vector = np.bincount(nearest, changes[rows], len(candidates)).astype(np.float64)
     return totals[: len(dropped)], -totals[len(dropped) :]
 
 
