@@ -48,5 +48,5 @@ def pop(heap: Indices, places: Indices, keys: Vector, size: int) -> int:
 
 
 @njit(cache=True)
-def _before(keys: Vector, row: Any, other: Any) -> bool:
+def _before(keys: Vector, row: Any, other: Any) -> Any:
     return keys[row] < keys[other] or (keys[row] == keys[other] and row > other)
