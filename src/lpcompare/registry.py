@@ -267,7 +267,7 @@ class Invocation:
     name : str
         A registered method.
     cloud : PointCloud
-        Clean: float64 coordinates of shape (n, 3), all finite; it is never changed.
+        Finite coordinates; it is never changed.
     target_count : int
         Points to keep.
     random_state : int, SeedSequence, Generator or None
@@ -284,7 +284,7 @@ class Invocation:
     Unavailable
         The method needs a package that is not installed.
     InputError
-        The count is not from 1 to n.
+        A coordinate is not finite, or the count is not from 1 to n.
     """
 
     def __init__(
@@ -297,7 +297,10 @@ class Invocation:
         settings: Mapping[str, Any] | None = None,
         callback: Callable[[str, int, int], None] | None = None,
     ) -> None:
-        self.name, self.cloud, self.target_count = name, cloud, target_count
+        from lpcompare.checks import check_points
+
+        self.name, self.target_count = name, target_count
+        self.cloud = replace(cloud, points=check_points(cloud.points))
         self.module, self.traits = METHODS.module(name), METHODS.traits(name)
         self.settings = dict(settings or {})
         METHODS.check_settings(name, self.settings)

@@ -30,7 +30,7 @@ ALLOWED = {
     "baselines": CORE | {"mesh_library", "geometry"},
     "metrics": CORE | {"checks", "mesh_library", "geometry", "registry"},
     "models": CORE | {"mesh_library", "geometry", "io"},
-    "registry": CORE,
+    "registry": CORE | {"checks"},
     "benchmark": CORE
     | {
         "checks",
