@@ -83,13 +83,14 @@ FAR_OUTLIER = """
 import sys
 import numpy as np
 from lpcompare.errors import NotApplicable
-from lpcompare.registry import METHODS
+from lpcompare.registry import call
+from lpcompare.types import PointCloud
 
 points = np.random.default_rng(0).normal(size=(2000, 3))
 points /= np.linalg.norm(points, axis=1, keepdims=True)
 points[0] = float(sys.argv[2]), 0, 0
 try:
-    print(len(METHODS.get(sys.argv[1])(points, 200, rng=np.random.default_rng(0))))
+    print(len(call(sys.argv[1], PointCloud(points), 200)))
 except NotApplicable as reason:
     print("declined:", reason)
 """

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from scipy.stats import spearmanr
 
+from lpcompare.geometry.graphs import nearest_others
 from lpcompare.geometry.neighbors import Neighbors
-from lpcompare_baselines._hoods import nearest_others, normals_and_variation
+from lpcompare_baselines._hoods import normals_and_variation
 from lpcompare_baselines.pauly_particle import pauly_particle
 
 

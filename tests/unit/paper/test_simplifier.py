@@ -6,6 +6,7 @@ import subprocess
 import sys
 import threading
 import time
+from functools import partial
 
 import numpy as np
 import pytest
@@ -16,6 +17,8 @@ from sklearn.base import clone
 import lpcompare
 from lpcompare.errors import InputError, UnknownName
 from lpcompare.paper.simplifier import LPSimplifier
+
+simplify = partial(lpcompare.simplify, method="lp_density")
 
 
 def bumpy(n_points, seed=0):
@@ -100,7 +103,7 @@ def test_kept_features_are_features_and_fill_their_share():
 )
 def test_exactly_the_target_stays_and_it_is_a_subset(n_points, seed, reduction, n_clusters, method):
     points = np.random.default_rng(seed).normal(size=(n_points, 3))
-    result = lpcompare.simplify(points, target_reduction=reduction, n_clusters=n_clusters, method=method)
+    result = simplify(points, target_reduction=reduction, n_clusters=n_clusters, method=method)
     assert len(result) == max(1, int(np.floor(round((1 - reduction) * n_points, 9))))
     assert np.array_equal(points[result.indices], result.points)
 
@@ -113,8 +116,8 @@ def test_exactly_the_target_stays_and_it_is_a_subset(n_points, seed, reduction, 
 )
 def test_powers_of_two_change_nothing(seed, power, method):
     points = bumpy(500, seed)
-    still = lpcompare.simplify(points, target_reduction=0.8, n_clusters=5, method=method)
-    scaled = lpcompare.simplify(points * 2.0**power, target_reduction=0.8, n_clusters=5, method=method)
+    still = simplify(points, target_reduction=0.8, n_clusters=5, method=method)
+    scaled = simplify(points * 2.0**power, target_reduction=0.8, n_clusters=5, method=method)
     assert np.array_equal(still.indices, scaled.indices)
 
 
@@ -128,9 +131,7 @@ def test_powers_of_two_change_nothing(seed, power, method):
 def test_rotation_translation_and_scale_change_nothing(seed, scale, shift, method):
     points = bumpy(500, seed)
     moved = scale * points @ turn(seed).T + scale * shift
-    still, other = (
-        lpcompare.simplify(p, target_reduction=0.8, n_clusters=5, method=method) for p in (points, moved)
-    )
+    still, other = (simplify(p, target_reduction=0.8, n_clusters=5, method=method) for p in (points, moved))
     assert np.array_equal(still.indices, other.indices)
 
 
@@ -139,7 +140,7 @@ def test_one_thread_and_two_keep_the_same_points(monkeypatch, method):
     points, kept = bumpy(9000), []
     for threads in ("1", "2", "5"):
         monkeypatch.setenv("LPCOMPARE_THREADS", threads)
-        kept.append(lpcompare.simplify(points, target_reduction=0.9, method=method).indices)
+        kept.append(simplify(points, target_reduction=0.9, method=method).indices)
     assert np.array_equal(kept[0], kept[1])
     assert np.array_equal(kept[0], kept[2])
 
@@ -149,22 +150,20 @@ def test_float32_fortran_and_read_only_inputs_keep_the_same_points():
     frozen = points.copy()
     frozen.flags.writeable = False
     variants = [points, points.astype(np.float32), np.asfortranarray(points), frozen]
-    kept = [lpcompare.simplify(p, target_count=90).indices for p in variants]
+    kept = [simplify(p, target_count=90).indices for p in variants]
     assert all(np.array_equal(kept[0], k) for k in kept)
 
 
 def test_seeds_differ_and_repeat():
     points = bumpy(1000)
-    first, again, other = (
-        lpcompare.simplify(points, target_count=100, random_state=s).indices for s in (1, 1, 2)
-    )
+    first, again, other = (simplify(points, target_count=100, random_state=s).indices for s in (1, 1, 2))
     assert np.array_equal(first, again)
     assert not np.array_equal(first, other)
 
 
 def test_callback_sees_every_stage_to_its_end():
     seen = []
-    lpcompare.simplify(bumpy(5000), target_count=400, callback=lambda *event: seen.append(event))
+    simplify(bumpy(5000), target_count=400, callback=lambda *event: seen.append(event))
     stages = [stage for stage, _, _ in seen]
     assert list(dict.fromkeys(stages)) == ["clustering", "curvature", "selection"]
     assert [e for e in seen if e[0] == "curvature"][-1][1:] == (2, 2)
@@ -182,7 +181,7 @@ def test_an_interrupt_leaves_no_thread_behind(monkeypatch, stage):
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        lpcompare.simplify(bumpy(5000), target_count=400, callback=interrupt)
+        simplify(bumpy(5000), target_count=400, callback=interrupt)
     assert threading.active_count() == before
 
 
@@ -191,13 +190,13 @@ import numpy as np
 from lpcompare.paper import certificate, enumeration, program
 import lpcompare
 points = np.random.default_rng(0).normal(size=(900, 3))
-lpcompare.simplify(points, target_count=300)
+lpcompare.simplify(points, target_count=300, method="lp_density")
 # no selection is good enough and none is counted: HiGHS has to search until it is stopped
 certificate.TOLERANCE = program.TOLERANCE = 1e-14
 enumeration._MOST_SUMS = 10
 print("begin", flush=True)
 try:
-    lpcompare.simplify(points, target_count=300, n_clusters=3, time_limit=600.0)
+    lpcompare.simplify(points, target_count=300, method="lp_density", n_clusters=3, time_limit=600.0)
 except KeyboardInterrupt:
     import threading
     print("stopped", threading.active_count())
@@ -256,22 +255,20 @@ POINTS = bumpy(50)
 )
 def test_what_cannot_be_worked_on_is_one_sentence(points, arguments, says):
     with pytest.raises(InputError, match=says) as error:
-        lpcompare.simplify(points, **arguments)
+        simplify(points, **arguments)
     assert "\n" not in str(error.value)
 
 
 @pytest.mark.parametrize("name", ["method", "retention", "density", "clusterer", "solver"])
 def test_unknown_words_name_the_known_ones(name):
     with pytest.raises(UnknownName, match="Known"):
-        lpcompare.simplify(POINTS, target_count=5, **{name: "nosuch"})
+        simplify(POINTS, target_count=5, **{name: "nosuch"})
 
 
 def test_settings_are_checked_before_the_work():
     seen = []
     with pytest.raises(UnknownName):
-        lpcompare.simplify(
-            POINTS, target_count=5, solver="nosuch", callback=lambda *event: seen.append(event)
-        )
+        simplify(POINTS, target_count=5, solver="nosuch", callback=lambda *event: seen.append(event))
     assert not seen
 
 
@@ -280,7 +277,7 @@ def test_settings_are_checked_before_the_work():
 def test_keeping_the_features_of_the_bunny_leaves_the_papers_count(shared_models, n_clusters):
     lines = (shared_models / "upstream" / "stanford-bunny.obj").read_text(encoding="utf-8").splitlines()
     points = np.array([line.split()[1:4] for line in lines if line.startswith("v ")], dtype=float)
-    result = lpcompare.simplify(
+    result = simplify(
         points, target_reduction=0.7, n_clusters=n_clusters, retention="keep-features", method="lp_printed"
     )
     assert len(points) == 35947
