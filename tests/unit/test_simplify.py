@@ -26,7 +26,8 @@ def test_every_method_takes_an_array_or_a_cloud_with_the_same_result(method):
         return
     of_array = lpcompare.simplify(POINTS, target_count=30, method=method)
     of_cloud = lpcompare.simplify(PointCloud(POINTS, name="scan"), target_count=30, method=method)
-    assert np.array_equal(of_array.points, of_cloud.points)
+    assert len(of_array) == len(of_cloud)
+    assert not METHODS.traits(method).repeatable or np.array_equal(of_array.points, of_cloud.points)
     assert of_array.runtime_s >= 0
     assert set(of_array.settings) == set(METHODS.settings(method))
 
