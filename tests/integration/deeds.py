@@ -248,11 +248,7 @@ BODIES = {
         "ok",
         "",
     ),
-<<<<<<< HEAD
-    "goes_on_twice": ("os.fork()" + _KEEP, "any", ""),  # whichever of the two ends first decides
-=======
     "goes_on_twice": ("os.fork()" + _KEEP, "any", ""),
->>>>>>> benchmark
     "shares_too_much": (
         "m = mmap.mmap(-1, 1200 << 20)\nfor n in range(0, 1200 << 20, 4096): m[n] = 1\ntime.sleep(60)",
         "failed",
