@@ -43,9 +43,3 @@ def test_the_tables_of_the_uniform_study_stand_on_its_page():
 
 def test_the_page_of_methods_is_made_from_their_files():
     assert (ROOT / "docs" / "methods.md").read_text(encoding="utf-8").strip() == method_page().strip()
-
-
-def test_the_page_of_the_published_comparison_is_made_from_its_records():
-    make = runpy.run_path(str(REPORTS / "pauly" / "make.py"))
-    page = (REPORTS / "pauly" / "README.md").read_text(encoding="utf-8")
-    assert make["page"](make["read_records"]()) == page
