@@ -99,8 +99,18 @@ def main() -> None:
     except BaseException as error:
         with suppress(Exception):
             traceback.print_exc(limit=20)
-        kind = "Out of memory" if isinstance(error, MemoryError) else type(error).__name__
+        kind = f"Out of memory{_memory_limit()}" if isinstance(error, MemoryError) else type(error).__name__
         reply.end("failed", f"{kind}: {_text(error)}.")
+
+
+def _memory_limit() -> str:
+    """The limit of this process, for a sentence; empty where it has none."""
+    if sys.platform == "win32":
+        return ""
+    import resource
+
+    limit = resource.getrlimit(resource.RLIMIT_DATA)[0]
+    return "" if limit == resource.RLIM_INFINITY else f" (limit {limit // 2**20} MiB)"
 
 
 def _try_settings(request: Request, reply: Reply) -> None:
