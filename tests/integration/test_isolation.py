@@ -87,7 +87,10 @@ def test_after_the_end_of_lpcompare_nothing_is_left_and_the_next_start_tidies_up
     environment = plugin_environment | {"CHILD_PID_FILE": str(tmp_path / "pid")}
     words = ["run", "--model", str(cloud_file), "--method", "leaves_a_child", "--out", str(tmp_path / "run")]
     process = subprocess.Popen(
-        [sys.executable, "-m", "lpcompare.cli", *words], env=environment, stderr=subprocess.DEVNULL
+        [sys.executable, "-m", "lpcompare.cli", *words],
+        env=environment,
+        stderr=subprocess.DEVNULL,
+        preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_DFL),  # the tests may run under nohup
     )
     deadline = time.monotonic() + 60
     while not (tmp_path / "pid").exists() and time.monotonic() < deadline:
@@ -95,7 +98,7 @@ def test_after_the_end_of_lpcompare_nothing_is_left_and_the_next_start_tidies_up
     time.sleep(0.2)
     assert left(tmp_path), "they run"
     process.send_signal(number)
-    process.wait()
+    process.wait(timeout=60)
     deadline = time.monotonic() + 5
     while left(tmp_path) and time.monotonic() < deadline:
         time.sleep(0.05)
