@@ -90,7 +90,7 @@ def test_after_the_end_of_lpcompare_nothing_is_left_and_the_next_start_tidies_up
         [sys.executable, "-m", "lpcompare.cli", *words],
         env=environment,
         stderr=subprocess.DEVNULL,
-        preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_DFL),  # the tests may run under nohup
+        preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_DFL),  # noqa: PLW1509 - perhaps under nohup
     )
     deadline = time.monotonic() + 60
     while not (tmp_path / "pid").exists() and time.monotonic() < deadline:
