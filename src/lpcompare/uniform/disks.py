@@ -31,8 +31,9 @@ def disk_radius(points: Points, n_keep: int) -> float:
     Returns
     -------
     float
-        In the unit of the points. The count is within 2 % of ``n_keep`` where the cloud allows it; 0 where
-        the cloud has no extent.
+        In the unit of the points. On the points looked at, the count is within 2 % of ``n_keep`` where they
+        allow it. On a denser cloud, of which they are a part, 7 to 10 % more were found: more points fit
+        between the disks where there are more to choose from. 0 where the cloud has no extent.
     """
     sample = points[:: max(1, len(points) // (_SAMPLE * n_keep))]
     order = np.random.default_rng(0).permutation(len(sample))
