@@ -33,7 +33,8 @@ def test_the_points_are_those_of_the_library(layers, arrays):
     found = layers.generate_simplified_point_cloud_linear_programming(
         samplenum=500, clusternum=2, randomseed=3
     )
-    same = lpcompare.simplify(arrays["vertex_matrix"], target_count=500, n_clusters=2, random_state=3)
+    points = arrays["vertex_matrix"]
+    same = lpcompare.simplify(points, method="lp_density", target_count=500, n_clusters=2, random_state=3)
     assert np.array_equal(found["sample_indices"], same.indices)
 
 
