@@ -2,6 +2,9 @@
 
 Between this process and a child stands its guard (`lpcompare.guard`). When this process dies, however it
 dies, the guard ends the child and every process that the child has left anywhere.
+
+A child is a program, or, after `Children.prepare`, a call of a module that one process has imported for all
+(`lpcompare.nursery`).
 """
 
 from __future__ import annotations
@@ -9,18 +12,21 @@ from __future__ import annotations
 import json
 import os
 import shutil
+import socket
 import subprocess
 import sys
 import tempfile
 import time
 import uuid
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import BinaryIO
+from threading import Lock
+from typing import IO, BinaryIO
 
 from lpcompare import guard as _guard
+from lpcompare import nursery as _nursery
 
 _THREAD_VARIABLES = (
     "LPCOMPARE_THREADS",
@@ -40,6 +46,7 @@ _PYTHON_KEPT = (
     "PYTHONUSERBASE",
 )
 _MARK = "LPCOMPARE_CHILD"
+_NURSERY_S, _END_S = 0.5, 5.0
 _PREFIX, _NEW, _NEW_SECONDS = "lpcompare-", "lpcompare-new-", 600
 
 
@@ -75,11 +82,54 @@ class Ending:
 
 
 class Children:
-    """Runs child processes; all that are alive can be ended at once, from any thread."""
+    """Runs child processes; all that are alive can be ended at once, from any thread.
+
+    As a context manager it ends the process of `prepare` as well.
+    """
 
     def __init__(self) -> None:
-        self._guards: set[subprocess.Popen[bytes]] = set()
+        self._ends: set[Callable[[], object]] = set()
         self._stopped = False
+        self._nursery: Nursery | None = None
+
+    def __enter__(self) -> Children:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._nursery:
+            self._nursery.close()
+
+    def prepare(self, module: str, *arguments: object, threads: int | None = None) -> None:
+        """Let one process import a module and call its ``prepare``, for the children of `call`.
+
+        Parameters
+        ----------
+        module : str
+            Its functions ``prepare(*arguments)`` and ``main(*arguments)`` are called. Without the means to
+            fork a process that is prepared (all systems but Linux), each child is a program of its own.
+        *arguments
+            JSON-ready.
+        threads : int, optional
+            Threads that the libraries of the children may use.
+        """
+        if sys.platform == "linux":
+            self._nursery = Nursery(module, arguments, threads)
+
+    def call(
+        self,
+        module: str,
+        *arguments: str,
+        folder: Path,
+        time_limit_s: float,
+        memory_limit_mib: int,
+        threads: int | None = None,
+    ) -> Ending:
+        """Call ``main(*arguments)`` of a module in a child, forked if it was prepared; otherwise as `run`."""
+        limits = {"time_limit_s": time_limit_s, "memory_limit_mib": memory_limit_mib}
+        if self._nursery is None:
+            return self.run(python("-m", module, *arguments), folder, threads=threads, **limits)
+        order = {"arguments": arguments, "folder": str(folder), **limits}
+        return self._ended(*self._nursery.guard(order))
 
     def run(
         self,
@@ -130,25 +180,94 @@ class Children:
             env=clean_environment(threads) | {_MARK: mark, "TMPDIR": str(folder)},
             start_new_session=True,
         )
-        self._guards.add(guard)
+        assert guard.stdin
+        assert guard.stdout
+        with guard:  # leaving closes its standard input: the guard ends everything, then itself
+            return self._ended(guard.stdout, guard.stdin.close, lambda: _end_marked(mark))
+
+    def _ended(self, text: IO[bytes], end: Callable[[], object], end_left: Callable[[], object]) -> Ending:
+        """Read how a child ended; a guard that says nothing was killed."""
+        self._ends.add(end)
         try:
-            with guard:  # leaving closes its standard input: the guard ends everything, then itself
-                text = guard.stdout.read() if guard.stdout and not self._stopped else b""
+            told = b"" if self._stopped else text.read()
         finally:
-            self._guards.discard(guard)
+            self._ends.discard(end)
+            end()
+            text.close()
         if self._stopped:
             raise Stopped
-        if guard.returncode != 0 or not text:
-            _end_marked(mark)
+        if not told:
+            end_left()
             return Ending(None, "guard", "", "")
-        return Ending(**json.loads(text))
+        return Ending(**json.loads(told))
 
     def stop(self) -> None:
         """End every child; those who wait for one meet `Stopped`."""
         self._stopped = True
-        for guard in tuple(self._guards):
-            if guard.stdin:
-                guard.stdin.close()
+        for end in tuple(self._ends):
+            end()
+
+
+class Nursery:
+    """The process that children are forked from (`lpcompare.nursery`); another one where it was killed."""
+
+    def __init__(self, module: str, arguments: Sequence[object], threads: int | None) -> None:
+        self._words, self._threads = [module, json.dumps(arguments)], threads
+        self._lock = Lock()
+        self._guards: set[int] = set()
+        self._start()
+
+    def _start(self) -> None:
+        self._orders, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        self._mark = uuid.uuid4().hex
+        with theirs:
+            self._process = subprocess.Popen(
+                [sys.executable, "-P", _nursery.__file__, str(theirs.fileno()), *self._words],
+                pass_fds=[theirs.fileno()],
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL,
+                env=clean_environment(self._threads) | {_MARK: self._mark},
+                start_new_session=True,
+            )
+
+    def guard(self, order: dict[str, object]) -> tuple[IO[bytes], Callable[[], object], Callable[[], object]]:
+        """Have a child forked; returns its guard's words, what ends the guard, and what ends the rest."""
+        ours, theirs = socket.socketpair()
+        with theirs, self._lock:
+            message = [json.dumps(order).encode()]
+            try:
+                socket.send_fds(self._orders, message, [theirs.fileno()])
+            except OSError:  # it was killed
+                self.close()
+                self._start()
+                socket.send_fds(self._orders, message, [theirs.fileno()])
+        text = ours.makefile("rb")
+        pid = int(text.readline() or 0)
+        self._guards.add(pid)
+
+        def end() -> None:
+            self._guards.discard(pid)
+            with suppress(OSError):
+                ours.shutdown(socket.SHUT_WR)
+            ours.close()  # the file of it stays open until it is read
+
+        return text, end, self._end_left
+
+    def _end_left(self) -> None:
+        """End what a killed guard has left, where the process that would do so was killed too."""
+        with suppress(subprocess.TimeoutExpired):
+            self._process.wait(_NURSERY_S)
+            _end_marked(self._mark, self._guards)
+
+    def close(self) -> None:
+        """End it; children that are being watched are ended by their guards."""
+        self._orders.close()
+        try:
+            self._process.wait(_END_S)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
 
 
 def python(*arguments: str) -> list[str]:
@@ -211,11 +330,15 @@ def remove_left_folders() -> None:
                     shutil.rmtree(folder, ignore_errors=True)
 
 
-def _end_marked(mark: str) -> None:
-    """End the processes of a child whose guard was killed: they carry its mark in their environment."""
+def _end_marked(mark: str, guards: Collection[int] = ()) -> None:
+    """End the processes of children whose guard was killed: they carry its mark in their environment.
+
+    Those below guards that are alive stay.
+    """
     import psutil
 
     for process in psutil.process_iter():
         with suppress(psutil.Error):
-            if process.environ().get(_MARK) == mark:
+            above = {process.pid, *(parent.pid for parent in process.parents())}
+            if process.environ().get(_MARK) == mark and above.isdisjoint(guards):
                 process.kill()

@@ -1,8 +1,9 @@
-"""The guard of a child process: a program that `lpcompare.children` runs; it imports nothing else of ours.
+"""The guard of a child process: it imports nothing else of ours.
 
 It starts the child and adopts all that the child's descendants leave behind. It watches their time and their
 memory, and ends every one of them when the child has ended, when a limit is reached, or when the process
-that asked for the child is gone, however that went.
+that asked for the child is gone, however that went. `lpcompare.children` runs it as a program;
+`lpcompare.nursery` forks it, and it forks the child.
 """
 
 import ctypes
@@ -12,6 +13,8 @@ import signal
 import subprocess
 import sys
 import threading
+import traceback
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 from time import monotonic, sleep
@@ -44,40 +47,110 @@ class Tail(threading.Thread):
         return bytes(self._bytes[-self._size :]).decode("utf-8", "replace")
 
 
+class Forked:
+    """A child that runs a function of this process, with what `subprocess.Popen` offers of a program."""
+
+    def __init__(self, work: Callable[[], object], prepare: Callable[[], object]) -> None:
+        self.returncode: int | None = None
+        (out, answer), (err, errors) = os.pipe(), os.pipe()
+        self.stdout, self.stderr = open(out, "rb", 0), open(err, "rb", 0)  # noqa: SIM115 - read to the end
+        self.pid = os.fork()
+        if not self.pid:
+            _run({0: os.open(os.devnull, os.O_RDONLY), 1: answer, 2: errors}, work, prepare)
+        os.close(answer)
+        os.close(errors)
+
+    def wait(self) -> None:
+        """Wait for its end."""
+        self.returncode = os.waitstatus_to_exitcode(os.waitpid(self.pid, 0)[1])
+
+    def kill(self) -> None:
+        """End it."""
+        os.kill(self.pid, signal.SIGKILL)
+
+
+def _run(streams: dict[int, int], work: Callable[[], object], prepare: Callable[[], object]) -> NoReturn:
+    """Become the forked child."""
+    code = 1
+    try:
+        os.setsid()
+        for number, stream in streams.items():
+            os.dup2(stream, number)
+            os.close(stream)
+        prepare()
+        work()
+        code = 0
+    except BaseException:
+        traceback.print_exc()
+    finally:
+        os._exit(code)
+
+
 def main() -> None:
-    """Run the child that the first argument orders, and print how it ended as JSON."""
-    order = json.loads(sys.argv[1])
+    """Run the program that the first argument orders, and print how it ended as JSON."""
+
+    def tell(text: bytes) -> None:
+        sys.stdout.buffer.write(text)
+        sys.stdout.flush()
+
+    guard(json.loads(sys.argv[1]), sys.stdin.buffer.read, tell)
+
+
+def guard(
+    order: dict[str, Any],
+    told: Callable[[], object],
+    tell: Callable[[bytes], object],
+    work: Callable[[], object] | None = None,
+) -> NoReturn:
+    """Run a child to its end, tell how it ended, and end this process.
+
+    Parameters
+    ----------
+    order : mapping
+        ``command``, ``folder``, ``time_limit_s``, ``memory_limit_mib``.
+    told : callable
+        Returns when the process that asked for the child is gone, or wants it ended.
+    tell : callable
+        Called with how it ended, as JSON.
+    work : callable, optional
+        What a forked child does; by default the child runs the command.
+    """
     system = ctypes.CDLL(None) if _LINUX else None
     if system:
         system.prctl(_PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
     try:
-        child = _start(order, system)
+        child = _start(order, system, work)
     except OSError as error:
-        _tell(127, "", "", str(error))
+        _tell(tell, 127, "", "", str(error))
     answer, errors = Tail(child.stdout, _ANSWER_BYTES), Tail(child.stderr, _ERROR_BYTES)  # type: ignore[arg-type]
     over, left_alone = threading.Event(), threading.Event()
     waiter = _in_background(lambda: (child.wait(), over.set()))
-    _in_background(lambda: (sys.stdin.buffer.read(), left_alone.set(), over.set()))
+    _in_background(lambda: (told(), left_alone.set(), over.set()))
     limit = _watch(order, child.pid, over)
     code = None if limit or left_alone.is_set() else child.returncode
     _end_all(child, waiter)
     if left_alone.is_set():
         os._exit(1)
-    _tell(code, limit, answer.text(), errors.text())
+    _tell(tell, code, limit, answer.text(), errors.text())
 
 
-def _tell(code: int | None, limit: str, answer: str, errors: str) -> NoReturn:
-    sys.stdout.write(json.dumps({"code": code, "limit": limit, "answer": answer, "errors": errors}))
-    sys.stdout.flush()
+def _tell(
+    tell: Callable[[bytes], object], code: int | None, limit: str, answer: str, errors: str
+) -> NoReturn:
+    tell(json.dumps({"code": code, "limit": limit, "answer": answer, "errors": errors}).encode())
     os._exit(0)
 
 
-def _start(order: dict[str, Any], system: Any) -> subprocess.Popen[bytes]:
+def _start(
+    order: dict[str, Any], system: Any, work: Callable[[], object] | None
+) -> subprocess.Popen[bytes] | Forked:
     def limits() -> None:
         if system:
             system.prctl(_PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
         limit_memory(order["memory_limit_mib"])
 
+    if work:
+        return Forked(work, lambda: (os.chdir(order["folder"]), limits()))
     return subprocess.Popen(
         order["command"],
         cwd=order["folder"],
@@ -144,11 +217,12 @@ def descendants(pid: int) -> list[int]:
     """Every process that one has started or adopted, and theirs."""
     found = [pid]
     for one in found:  # it grows meanwhile
-        found += _children(one)
+        found += children(one)
     return found[1:]
 
 
-def _children(pid: int) -> list[int]:
+def children(pid: int) -> list[int]:
+    """Processes that one has started or adopted."""
     found: list[int] = []
     if not _LINUX:
         import psutil
@@ -163,19 +237,24 @@ def _children(pid: int) -> list[int]:
     return found
 
 
-def _end_all(child: subprocess.Popen[bytes], waiter: threading.Thread) -> None:
+def _end_all(child: subprocess.Popen[bytes] | Forked, waiter: threading.Thread) -> None:
     """End the child and all that it has started; only SIGKILL ends a library that loops."""
     with suppress(OSError):
         child.kill()
     waiter.join(_END_S)
+    end_processes(lambda: descendants(os.getpid()))
+
+
+def end_processes(find: Callable[[], list[int]]) -> None:
+    """Kill processes that this one has adopted, until ``find`` finds none; give up after seconds."""
     deadline = monotonic() + _END_S
-    while (pids := descendants(os.getpid())) and monotonic() < deadline:
+    while (pids := find()) and monotonic() < deadline:
         for pid in pids:
             with suppress(OSError):
                 os.kill(pid, signal.SIGKILL if os.name == "posix" else signal.SIGTERM)
-        with suppress(ChildProcessError):
-            while _LINUX and os.waitpid(-1, os.WNOHANG)[0]:
-                pass
+        for pid in pids:
+            with suppress(ChildProcessError):
+                _ = _LINUX and os.waitpid(pid, os.WNOHANG)
         sleep(0.002)
 
 

@@ -176,3 +176,99 @@ def test_folders_of_killed_processes_are_removed_and_those_of_others_stay(tmp_pa
     for process in (killed, living):
         process.stdout.close()
     assert (tmp_path / "lpcompare-of-another-kind").is_dir()
+
+
+NURSED = """
+import os, signal, sys, time
+import numpy
+prepared = []
+def prepare(word):
+    prepared.append((word, os.getpid()))
+def main(deed):
+    print(prepared[0][0], os.getcwd(), os.environ["TMPDIR"], file=sys.stderr)
+    if deed == "asks": print(prepared[0][1])
+    elif deed == "fails": raise ValueError("on purpose")
+    elif deed == "ends": os._exit(3)
+    elif deed == "daemon": exec(DAEMON)
+    elif deed == "sleeps": time.sleep(600)
+    elif deed == "fills": x = b"x" * (900 << 20)
+    elif deed == "kills its guard": exec(DAEMON); os.kill(os.getppid(), signal.SIGKILL); time.sleep(600)
+    elif deed == "kills both":
+        exec(DAEMON); os.kill(prepared[0][1], signal.SIGKILL); os.kill(os.getppid(), signal.SIGKILL); time.sleep(600)
+"""
+
+
+@pytest.fixture
+def nursed(tmp_path, monkeypatch):
+    """Calls a module that was prepared once: `call(deed)` returns the ending."""
+    home = tmp_path / "home"
+    home.mkdir()
+    (home / "nursed.py").write_text(NURSED + f"DAEMON = {DAEMON!r}\n")
+    monkeypatch.setenv("PYTHONPATH", str(home))
+    folder = tmp_path / "here"
+    folder.mkdir()
+    with Children() as crowd:
+        crowd.prepare("nursed", "word")
+
+        def call(deed, **limits):
+            chosen = {"time_limit_s": 20, "memory_limit_mib": 2000} | limits
+            return crowd.call("nursed", deed, folder=folder, **chosen)
+
+        call.folder, call.crowd = folder, crowd
+        yield call
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="children are forked on Linux only")
+def test_a_prepared_module_is_prepared_once_for_all_children(nursed):
+    first, second = nursed("asks"), nursed("asks")
+    assert first.code == second.code == 0
+    assert first.answer == second.answer
+    assert first.errors.split() == ["word", str(nursed.folder), str(nursed.folder)]
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="children are forked on Linux only")
+def test_a_forked_child_ends_as_a_program_does(nursed):
+    assert nursed("ends").code == 3
+    assert nursed("fails").last_lines(1) == "ValueError: on purpose"
+    assert nursed("sleeps", time_limit_s=1).limit == "time"
+    assert "MemoryError" in nursed("fills", memory_limit_mib=600).errors
+    assert nursed("daemon").code == 0
+    assert alive(nursed.folder) == []
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="children are forked on Linux only")
+@pytest.mark.parametrize("deed", ["kills its guard", "kills both"])
+def test_a_forked_child_that_kills_its_watchers_costs_its_own_row(nursed, deed):
+    assert nursed(deed).limit == "guard"
+    assert wait_until_gone(nursed.folder)
+    assert nursed("asks").code == 0
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="children are forked on Linux only")
+def test_a_neighbor_lives_on_when_the_watchers_of_another_are_killed(nursed):
+    answers = []
+    thread = threading.Thread(target=lambda: answers.append(nursed("sleeps", time_limit_s=4)))
+    thread.start()
+    time.sleep(1)
+    assert nursed("kills both").limit == "guard"
+    thread.join(20)
+    assert [ending.limit for ending in answers] == ["time"]
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="children are forked on Linux only")
+def test_stop_ends_forked_children(nursed):
+    met = []
+
+    def wait():
+        try:
+            nursed("sleeps")
+        except Stopped:
+            met.append("stopped")
+
+    thread = threading.Thread(target=wait)
+    thread.start()
+    time.sleep(1)
+    nursed.crowd.stop()
+    thread.join(10)
+    assert met == ["stopped"]
+    assert wait_until_gone(nursed.folder)

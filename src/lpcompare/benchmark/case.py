@@ -10,8 +10,11 @@ from pathlib import Path
 import msgspec
 
 from lpcompare.benchmark.record import Facts, Record
-from lpcompare.children import Children, Ending, python
+from lpcompare.children import Children, Ending
 from lpcompare.files import CONTINUE, writing
+
+WORKER = "lpcompare.benchmark.worker"
+"""The module whose ``main`` runs a case in a child process."""
 
 
 class Request(msgspec.Struct, frozen=True):
@@ -111,9 +114,8 @@ def run_case(
     """
     with writing(folder, CONTINUE):
         (folder / "request.json").write_bytes(msgspec.json.encode(request))
-    command = python("-m", "lpcompare.benchmark.worker", str(folder))
     limits = {"time_limit_s": time_limit_s, "memory_limit_mib": memory_limit_mib}
-    ending = children.run(command, folder, threads=threads, **limits)
+    ending = children.call(WORKER, str(folder), folder=folder, threads=threads, **limits)
     answer = _last_answer(ending, request)
     if answer.finished:
         tail = _tail(ending) if answer.record.status == "failed" else ""

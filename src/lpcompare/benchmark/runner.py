@@ -12,7 +12,7 @@ from pathlib import Path
 from threading import Lock
 from typing import Any, Protocol
 
-from lpcompare.benchmark.case import Answer, Request, run_case
+from lpcompare.benchmark.case import WORKER, Answer, Request, run_case
 from lpcompare.benchmark.environment import capture, package_versions
 from lpcompare.benchmark.perturbation import CLEAN, Perturbation, keep_points, perturb
 from lpcompare.benchmark.plan import REFERENCE, Case, Plan, seed_entropy
@@ -198,9 +198,12 @@ def run_plan(
         ``resume`` does not allow to continue; or a method refuses the settings that were chosen for it.
     """
     remove_left_folders()
-    with sole_writer(folder):
+    with sole_writer(folder), Children() as children:
         earlier = earlier_run(folder, plan, models, resume=resume)
-        runner = _Runner(plan, models, RunFolder(folder), earlier)
+        children.prepare(
+            WORKER, sorted({v.method for v in plan.variants}), plan.metrics, threads=plan.threads
+        )
+        runner = _Runner(plan, models, RunFolder(folder), earlier, children)
         complete = False
         try:
             runner.run(listener)
@@ -215,7 +218,12 @@ class _Runner:
     """The state of a run: inputs on disk, counts that the reference method reached, finished records."""
 
     def __init__(
-        self, plan: Plan, models: Mapping[str, PointCloud], store: RunFolder, earlier: Run | None
+        self,
+        plan: Plan,
+        models: Mapping[str, PointCloud],
+        store: RunFolder,
+        earlier: Run | None,
+        children: Children,
     ) -> None:
         self.plan, self.models, self.store, self.earlier = plan, models, store, earlier
         self.reusable = reusable(earlier, plan) if earlier else {}
@@ -223,7 +231,7 @@ class _Runner:
         self.reached: dict[tuple[object, ...], int] = {}
         self.done: dict[int, Record] = {}
         self.lock = Lock()
-        self.children = Children()
+        self.children = children
         self.cases = list(plan.cases())
         self.versions = {v.method: package_versions([v.method]) for v in plan.variants}
         for case in self.cases:

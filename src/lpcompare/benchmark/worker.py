@@ -11,7 +11,7 @@ import math
 import os
 import sys
 import traceback
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from importlib import import_module
@@ -20,6 +20,8 @@ from typing import Any, BinaryIO
 
 import msgspec
 import numpy as np
+from highspy import Highs
+from threadpoolctl import threadpool_limits
 
 from lpcompare.benchmark.case import Answer, Request
 from lpcompare.benchmark.environment import library
@@ -29,6 +31,7 @@ from lpcompare.benchmark.timing import OtherPrograms, peak_memory_mib, reference
 from lpcompare.children import answer_stream
 from lpcompare.errors import InputError, LpcompareError, MethodError, NotApplicable, Unavailable
 from lpcompare.io.arrays import digest, load_cloud, save_arrays
+from lpcompare.metrics.comparison import Comparison
 from lpcompare.registry import METHODS, METRICS, Invocation, call
 from lpcompare.types import PointCloud, Simplification, Traits
 
@@ -78,9 +81,26 @@ class Reply:
         self.send(finished=True, trouble=trouble)
 
 
-def main() -> None:
-    """Run the case of the folder given on the command line."""
-    path = Path(sys.argv[1]) / "request.json"
+def prepare(methods: Sequence[str], metrics: Sequence[str]) -> None:
+    """Call our own methods and metrics once, on a small cloud and one thread, before children are forked.
+
+    What a rival imports, its own process imports: a library may start threads, which no fork takes along.
+    """
+    cloud = _torus()
+    with threadpool_limits(1):
+        comparison = Comparison(cloud.points, cloud.points[::8])
+        for name in metrics:
+            if METRICS.origin(name) == "lpcompare.metrics":
+                METRICS.get(name)(comparison)
+        for name in methods:
+            if METHODS.origin(name) == "lpcompare.methods":
+                call(name, cloud, 64, random_state=0)
+    Highs.resetGlobalScheduler(True)
+
+
+def main(folder: str) -> None:
+    """Run the case of a folder."""
+    path = Path(folder) / "request.json"
     request = msgspec.json.decode(path.read_bytes(), type=Request)
     path.unlink()
     reply = Reply(answer_stream(), request)
@@ -195,8 +215,6 @@ def _refine(cloud: PointCloud, result: Simplification, reply: Reply) -> Simplifi
 
 def _judge(request: Request, done: tuple[PointCloud, Simplification], reply: Reply) -> None:
     """Measure the result against the clean cloud, one metric after another, and keep it."""
-    from lpcompare.metrics.comparison import Comparison
-
     clean, result = done
     if request.clean:
         clean = _load(request.clean, request.clean_sha256)
@@ -315,6 +333,6 @@ def _name(key: object) -> str:
 
 
 if __name__ == "__main__":
-    main()
+    main(sys.argv[1])
     sys.stderr.flush()
     os._exit(0)  # the answer is told; what libraries do at the end of a process would only be waited for

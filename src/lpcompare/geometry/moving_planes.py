@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
-from lpcompare.geometry.frames import least_variance_directions
+from lpcompare.geometry.kernels import least_direction
+from lpcompare.threads import for_blocks
 from lpcompare.types import Points, Vector
 
-_BLOCK = 16384
 _ROUNDS = 5
-_ENTRIES = 0, 4, 8, 1, 2, 5
-"""Where xx, yy, zz, xy, xz, yz stand in a flattened matrix."""
 
 
 def moving_planes(
@@ -41,28 +40,54 @@ def moving_planes(
         h, in the unit of the points; 0 where query and neighbors coincide.
     """
     feet, normals, widths = np.empty_like(queries), np.empty_like(queries), np.empty(len(queries))
-    for start in range(0, len(queries), _BLOCK):
-        block = slice(start, start + _BLOCK)
-        offsets = points[neighbors[block]] - queries[block, None]
-        widths[block] = np.linalg.norm(offsets[:, -1], axis=1) / 3
-        foot, normals[block] = _feet(offsets, widths[block], n_rounds)
-        feet[block] = queries[block] + foot
+    points, neighbors = np.ascontiguousarray(points), np.ascontiguousarray(neighbors)
+
+    def work(block: slice) -> None:
+        _block(queries[block], points, neighbors[block], n_rounds, feet[block], normals[block], widths[block])
+
+    for_blocks(len(queries), work)
     return feet, normals, widths
 
 
-def _feet(offsets: NDArray[np.float64], widths: Vector, n_rounds: int) -> tuple[Points, Points]:
-    """Feet relative to the queries, and normals; ``offsets`` (q, k, 3) are those of the neighbors."""
-    foot = np.zeros((len(offsets), 3))
-    normals = foot
-    scale = np.where(widths > 0, widths, 1.0)[:, None]
-    for _ in range(n_rounds):
-        exponents = np.square((offsets - foot[:, None]) / scale[:, None]).sum(axis=2)
-        # the nearest neighbor weighs one, so that the weights of a far query do not vanish together
-        weights = np.exp(exponents.min(axis=1, keepdims=True) - exponents)
-        weights /= weights.sum(axis=1, keepdims=True)
-        mean = np.matmul(weights[:, None], offsets)[:, 0]
-        centred = (offsets - mean[:, None]).transpose(0, 2, 1)
-        covariance = np.matmul(centred * weights[:, None], centred.transpose(0, 2, 1))
-        normals = least_variance_directions(covariance.reshape(-1, 9).T[list(_ENTRIES)]).T
-        foot = np.einsum("qi,qi->q", mean, normals)[:, None] * normals
-    return foot, normals
+@njit(cache=True, nogil=True)
+def _block(queries, points, neighbors, n_rounds, feet, normals, widths):
+    size = neighbors.shape[1]
+    offsets, exponents = np.empty((size, 3)), np.empty(size)
+    for q in range(len(queries)):
+        for j in range(size):
+            for i in range(3):
+                offsets[j, i] = points[neighbors[q, j], i] - queries[q, i]
+        x, y, z = offsets[size - 1]
+        widths[q] = np.sqrt(x * x + y * y + z * z) / 3
+        scale = widths[q] if widths[q] > 0 else 1.0
+        foot, normal = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+        for _ in range(n_rounds):
+            foot, normal = _foot(offsets, foot, scale, exponents)
+        for i in range(3):
+            feet[q, i], normals[q, i] = queries[q, i] + foot[i], normal[i]
+
+
+@njit(cache=True, nogil=True)
+def _foot(offsets, foot, scale, exponents):
+    """One round: the foot of the query at zero on the plane of its neighbors, weighted around ``foot``."""
+    fx, fy, fz = foot
+    nearest = np.inf
+    for j in range(len(offsets)):
+        x, y, z = (offsets[j, 0] - fx) / scale, (offsets[j, 1] - fy) / scale, (offsets[j, 2] - fz) / scale
+        exponents[j] = x * x + y * y + z * z
+        nearest = min(nearest, exponents[j])
+    # the nearest neighbor weighs one, so that the weights of a far query do not vanish together
+    total, mx, my, mz = 0.0, 0.0, 0.0, 0.0
+    for j in range(len(offsets)):
+        weight = np.exp(nearest - exponents[j])
+        exponents[j], total = weight, total + weight
+        mx, my, mz = mx + weight * offsets[j, 0], my + weight * offsets[j, 1], mz + weight * offsets[j, 2]
+    mx, my, mz = mx / total, my / total, mz / total
+    xx = yy = zz = xy = xz = yz = 0.0
+    for j in range(len(offsets)):
+        weight, x, y, z = exponents[j], offsets[j, 0] - mx, offsets[j, 1] - my, offsets[j, 2] - mz
+        xx, yy, zz = xx + weight * x * x, yy + weight * y * y, zz + weight * z * z
+        xy, xz, yz = xy + weight * x * y, xz + weight * x * z, yz + weight * y * z
+    normal = least_direction(xx, yy, zz, xy, xz, yz)
+    height = mx * normal[0] + my * normal[1] + mz * normal[2]
+    return (height * normal[0], height * normal[1], height * normal[2]), normal
