@@ -135,6 +135,11 @@ class Registry:
             return traits
         raise InputError(f"{self.kind} {name!r} has no line 'TRAITS = Traits(...)'; add one to its file.")
 
+    def is_slow(self, name: str) -> bool:
+        """Whether a metric's file has the line ``COST = "slow"``; it is not imported."""
+        lines = [ast.unparse(node) for node in self._tree(name).body if isinstance(node, ast.Assign)]
+        return "COST = 'slow'" in lines
+
     def missing(self, name: str) -> str:
         """Why a method cannot run here, or an empty string; imports nothing of the method's."""
         traits = self.traits(name)

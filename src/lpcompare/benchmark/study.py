@@ -162,7 +162,7 @@ def choose_metrics(asked: Iterable[str]) -> tuple[str, ...]:
     for name in asked:
         if name not in METRICS:
             raise UnknownName(METRICS.kind, name, METRICS)
-    quick = (name for name in METRICS if getattr(METRICS.module(name), "COST", "quick") != "slow")
+    quick = (name for name in METRICS if not METRICS.is_slow(name))
     return tuple(sorted({*quick, *asked}))
 
 

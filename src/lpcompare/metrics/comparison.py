@@ -52,7 +52,7 @@ def evaluate(
     (0.0, True)
     """
     comparison = Comparison(_coordinates(cloud), _coordinates(result))
-    quick = [name for name in METRICS if getattr(METRICS.module(name), "COST", "") != "slow"]
+    quick = [name for name in METRICS if not METRICS.is_slow(name)]
     return {key: value for name in metrics or quick for key, value in METRICS.get(name)(comparison).items()}
 
 

@@ -13,7 +13,6 @@ from itertools import pairwise
 
 import numpy as np
 import pandas as pd
-from scipy.stats import friedmanchisquare, kendalltau, studentized_range
 
 from lpcompare.report.cells import ERROR, witnesses
 from lpcompare.types import Column
@@ -79,6 +78,8 @@ def agreement(ranking: Ranking, other: Ranking) -> float:
     both = pd.concat([ranking.ranks, other.ranks], axis=1, join="inner").to_numpy()
     if len(both) < 2 or (both == both[0]).all(axis=0).any():
         return math.nan
+    from scipy.stats import kendalltau
+
     return float(kendalltau(*both.T)[0])  # pyright: ignore[reportArgumentType]
 
 
@@ -134,6 +135,8 @@ def _test(scores: np.ndarray) -> tuple[float, float]:
     n_blocks, n_methods = scores.shape
     if n_blocks < _FEWEST_MODELS or n_methods < 3 or (scores == scores[:, :1]).all():
         return math.nan, math.nan
+    from scipy.stats import friedmanchisquare, studentized_range
+
     p_value = float(friedmanchisquare(*scores.T).pvalue)
     quantile = float(studentized_range.ppf(1 - SIGNIFICANCE, n_methods, math.inf)) / math.sqrt(2)
     return p_value, quantile * math.sqrt(n_methods * (n_methods + 1) / (6 * n_blocks))
