@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     import numpy as np
 
 _RESERVED = frozenset(
-    {"rng", "cloud", "callback", "target_count", "target_reduction", "random_state", "method"}
+    {"rng", "cloud", "callback", "target_count", "target_reduction", "random_state", "method", "placed"}
 )
 """Arguments that are no settings: the registry or the method's file gives them."""
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Mapping
 from typing import Any
 
@@ -14,17 +13,13 @@ from lpcompare.meshlab.parameters import Parameter
 from lpcompare.paper.simplifier import LPSimplifier
 from lpcompare.simplify import simplify
 from lpcompare.types import Points
-from lpcompare.uniform.simplifier import UniformReducer
+from lpcompare.uniform.simplifier import UniformSimplifier
 
 _FORMULATIONS = {"Density preserving": "lp_density", "As printed": "lp_printed"}
 _RETENTIONS = {"Exact count": "exact-count", "Keep features": "keep-features"}
 
 _DEFAULTS = LPSimplifier().get_params()
-_UNIFORM_DEFAULTS = {
-    name: p.default
-    for name, p in inspect.signature(UniformReducer).parameters.items()
-    if p.kind is p.KEYWORD_ONLY
-}
+_UNIFORM_DEFAULTS = UniformSimplifier().get_params()
 
 _HOW_MANY = (
     Parameter("samplenum", int, 1000, "Number of points to keep; at most those there are.", low=1),
@@ -48,7 +43,7 @@ PARAMETERS = (
         "formulation",
         str,
         "Density preserving",
-        "Which reading of eqs. 12-26 the programme of each cluster solves.",
+        "Which reading of eqs. 12-26 the program of each cluster solves.",
         choices=tuple(_FORMULATIONS),
     ),
     Parameter(

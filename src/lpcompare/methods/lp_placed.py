@@ -7,11 +7,13 @@ no mesh. ``info["source"]`` has the row of the input that each point comes from.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
-from lpcompare.paper.cluster_count import ClusterCountSetting
+from lpcompare.progress import Callback
 from lpcompare.types import Points, Simplification, Traits
-from lpcompare.uniform.simplifier import simplify_uniformly
+from lpcompare.uniform.simplifier import UniformSimplifier
 
 TRAITS = Traits(
     family="ours",
@@ -19,6 +21,7 @@ TRAITS = Traits(
     source="Leal and others, A Linear Programming Approach for 3D Point Cloud Simplification, 2017",
     moves_points=True,
 )
+ESTIMATOR = UniformSimplifier
 
 
 def lp_placed(
@@ -26,15 +29,10 @@ def lp_placed(
     target_count: int,
     *,
     rng: np.random.Generator,
-    n_clusters: ClusterCountSetting = 20,
-    n_neighbors: int = 20,
-    emphasis: str = "balanced",
-    n_rounds: int = 6,
-    density_tolerance: float = 0.01,
-    gap: float = 5e-3,
-    time_limit: float = 10.0,
+    callback: Callback | None = None,
+    **settings: Any,
 ) -> Simplification:
-    """Keep ``target_count`` of the points; the settings are those of `UniformReducer`.
+    """Keep ``target_count`` of the points; the settings are those of `UniformSimplifier`.
 
     Parameters
     ----------
@@ -42,22 +40,15 @@ def lp_placed(
     target_count : int
         From 1 to n.
     rng : numpy.random.Generator
+    callback : callable, optional
+        Called with (stage, done, total).
 
     Returns
     -------
     Simplification
         New points; ``info["source"]`` has the row that each comes from.
     """
-    return simplify_uniformly(
-        points,
-        target_count=target_count,
-        placed=True,
-        n_clusters=n_clusters,
-        n_neighbors=n_neighbors,
-        emphasis=emphasis,
-        n_rounds=n_rounds,
-        density_tolerance=density_tolerance,
-        gap=gap,
-        time_limit=time_limit,
-        random_state=rng,
+    estimator = ESTIMATOR(
+        target_count=target_count, placed=True, random_state=rng, callback=callback, **settings
     )
+    return estimator.fit(points).simplification_

@@ -1,23 +1,26 @@
-"""Boolean programme per cluster that keeps the density and one point per blue-noise cell.
+"""Boolean program per cluster that keeps the density and one point per blue-noise cell.
 
 Leal, Leal and Sanchez-Torres (2017), section V, made concrete: cells as many as the budget, smaller where the
-surface bends, corrected by swaps against the error; in each cluster the programme of eqs. 14-26 chooses one
+surface bends, corrected by swaps against the error; in each cluster the program of eqs. 14-26 chooses one
 point of every cell so that the density is kept and the originals are represented best.
 """
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
-from lpcompare.paper.cluster_count import ClusterCountSetting
+from lpcompare.progress import Callback
 from lpcompare.types import Points, Simplification, Traits
-from lpcompare.uniform.simplifier import simplify_uniformly
+from lpcompare.uniform.simplifier import UniformSimplifier
 
 TRAITS = Traits(
     family="ours",
     wraps="lpcompare (cvxpy, HiGHS)",
     source="Leal and others, A Linear Programming Approach for 3D Point Cloud Simplification, 2017",
 )
+ESTIMATOR = UniformSimplifier
 
 
 def lp_uniform(
@@ -25,15 +28,10 @@ def lp_uniform(
     target_count: int,
     *,
     rng: np.random.Generator,
-    n_clusters: ClusterCountSetting = 20,
-    n_neighbors: int = 20,
-    emphasis: str = "balanced",
-    n_rounds: int = 6,
-    density_tolerance: float = 0.01,
-    gap: float = 5e-3,
-    time_limit: float = 10.0,
+    callback: Callback | None = None,
+    **settings: Any,
 ) -> Simplification:
-    """Keep ``target_count`` of the points; the settings are those of `UniformReducer`.
+    """Keep ``target_count`` of the points; the settings are those of `UniformSimplifier`.
 
     Parameters
     ----------
@@ -41,21 +39,13 @@ def lp_uniform(
     target_count : int
         From 1 to n.
     rng : numpy.random.Generator
+    callback : callable, optional
+        Called with (stage, done, total).
 
     Returns
     -------
     Simplification
         A subset of the input.
     """
-    return simplify_uniformly(
-        points,
-        target_count=target_count,
-        n_clusters=n_clusters,
-        n_neighbors=n_neighbors,
-        emphasis=emphasis,
-        n_rounds=n_rounds,
-        density_tolerance=density_tolerance,
-        gap=gap,
-        time_limit=time_limit,
-        random_state=rng,
-    )
+    estimator = ESTIMATOR(target_count=target_count, random_state=rng, callback=callback, **settings)
+    return estimator.fit(points).simplification_

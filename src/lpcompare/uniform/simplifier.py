@@ -1,74 +1,40 @@
-"""`lp_uniform` and `lp_placed` from points to points: the paper's stages with the second objective."""
+"""`lp_uniform` and `lp_placed` from points to points: the estimator `UniformSimplifier`."""
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
-from lpcompare.checks import check_choice, check_integer, check_number, check_points, check_target
+from lpcompare.checks import check_choice, check_integer, check_number, check_points, check_seed, check_target
 from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.geometry.scale import normalize
-from lpcompare.geometry.surface import estimate_surface
-from lpcompare.paper.cluster_count import AUTO, ClusterCountSetting, check_n_clusters, choose_n_clusters
-from lpcompare.paper.clustering import cluster_points
+from lpcompare.geometry.surface import Surface, estimate_surface
+from lpcompare.paper.cluster_count import ClusterCountSetting, check_n_clusters
 from lpcompare.paper.curvature import Curvature
+from lpcompare.paper.estimator import CloudEstimator
 from lpcompare.progress import Callback, StageClock
 from lpcompare.types import Indices, Points, Simplification
 from lpcompare.uniform.clusters import (
+    ClusterDensity,
     cluster_densities,
     refine_in_density,
-    solve_programmes,
+    solve_programs,
     spread_points,
 )
 from lpcompare.uniform.placement import place_points
-from lpcompare.uniform.program import Stop
-from lpcompare.uniform.rims import find_rims
+from lpcompare.uniform.program import SpreadCertificate, Stop
+from lpcompare.uniform.rims import Rims, find_rims
 from lpcompare.uniform.swaps import EMPHASES
 
 
-def simplify_uniformly(
-    points: Any,
-    *,
-    target_reduction: float | None = None,
-    target_count: int | None = None,
-    **settings: Any,
-) -> Simplification:
-    """Thin a point cloud without holes: one point per blue-noise cell, chosen by the clusters' programmes.
+class UniformSimplifier(CloudEstimator):
+    """Thin a cloud without holes: one point per blue-noise cell, chosen by the program of its cluster.
 
     Parameters
     ----------
-    points : array_like, shape (n, 3)
-        Finite coordinates in model units; never changed.
     target_reduction, target_count : float, int
         Share removed or points kept; exactly one of the two.
-    **settings
-        Those of `UniformReducer`.
-
-    Returns
-    -------
-    Simplification
-        As `UniformReducer.reduce` gives it.
-
-    Raises
-    ------
-    InputError
-        The cloud or a setting cannot be worked on.
-    SolverError
-        The solver ended without a selection.
-    """
-    cloud = check_points(points)
-    n_keep = check_target(len(cloud), target_reduction, target_count)
-    return UniformReducer(cloud, **settings).reduce(n_keep)
-
-
-class UniformReducer:
-    """A clustered cloud with its curvature and tangent planes, ready to be thinned to any count.
-
-    Parameters
-    ----------
-    points : ndarray, shape (n, 3)
-        Clean cloud, in model units.
     placed : bool
         Move each kept point to the minimum of its tangent-plane quadric.
     n_clusters : int or "auto"
@@ -90,13 +56,52 @@ class UniformReducer:
     random_state : int, numpy.random.Generator or None
         Seed of the k-means start and of subsamples.
     callback : callable, optional
-        Called with (stage, done, total) as "clustering", "curvature" and "selection" proceed.
+        Called with (stage, done, total) as each of "clustering", "curvature", "cells", "refinement" and
+        "selection" proceeds.
+
+    Attributes
+    ----------
+    simplification_ : Simplification
+    sample_indices_ : ndarray of int, shape (m,)
+        Rows that were kept, ascending; of placed points, the rows that they come from.
+    labels_ : ndarray of int, shape (n,)
+        Cluster of each point.
+    cells_ : ndarray of int, shape (n,)
+        Cell of each point: the place in ``sample_indices_`` of the kept point that stands for it.
+    mixture_ : Mixture
+        Weights, means, covariances in model units, and the log-likelihood per iteration (eqs. 2-5).
+    cluster_count_ : ClusterCount or None
+        The curve of n_clusters="auto".
+    curvature_ : Curvature
+        H, K and A of each point (eqs. 9-11), in model units.
+    converged_ : bool
+        Whether expectation maximization met its tolerance; `ConvergenceWarning` is given where it did not.
+    n_iter_ : int
+        Iterations of expectation maximization.
+    certificates_ : tuple of SpreadCertificate
+        Per cluster that owns a kept point: densities (eqs. 12, 15), Z (eq. 14), cost and bound.
+    timings_ : dict of str to float
+        Seconds per stage.
+
+    References
+    ----------
+    N. Leal, E. Leal, G. Sanchez-Torres, A Linear Programming Approach for 3D Point Cloud Simplification,
+    2017, section V.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> cloud = np.random.default_rng(0).normal(size=(400, 3))
+    >>> thin, values = UniformSimplifier(target_count=40, n_clusters=3).fit_resample(cloud, cloud[:, 0])
+    >>> thin.shape, values.shape
+    ((40, 3), (40,))
     """
 
     def __init__(
         self,
-        points: Points,
         *,
+        target_reduction: float | None = None,
+        target_count: int | None = None,
         placed: bool = False,
         n_clusters: ClusterCountSetting = 20,
         n_neighbors: int = 20,
@@ -108,85 +113,132 @@ class UniformReducer:
         random_state: int | np.random.Generator | None = 0,
         callback: Callback | None = None,
     ) -> None:
-        wanted = check_n_clusters(n_clusters)
-        n_neighbors = check_integer("n_neighbors", n_neighbors, 1)
-        self._emphasis = EMPHASES[check_choice("emphasis", emphasis, EMPHASES)]
-        self._n_rounds = check_integer("n_rounds", n_rounds, 0)
-        self._tolerance = check_number("density_tolerance", density_tolerance, 0.0)
-        self._stop = Stop(check_number("gap", gap, 0.0), check_number("time_limit", time_limit, 0.0))
-        self._points, self._placed, self._callback = points, placed, callback
-        self._cloud, self._center, self._scale = normalize(points)
-        self._tree = Neighbors(self._cloud)
-        self._cloud = self._tree.sorted_points
-        rng, clock = np.random.default_rng(random_state), StageClock(callback)
-        progress = clock.stage("clustering")
-        self._count = choose_n_clusters(self._tree.points, rng) if wanted == AUTO else None
-        n_clusters = self._count.n_clusters if self._count else int(wanted)
-        labels = cluster_points(self._tree.points, n_clusters, rng, progress=progress).labels[
-            self._tree.order
-        ]
-        self._surface = estimate_surface(self._tree, n_neighbors, clock.stage("curvature"))
-        self._curvature = Curvature(*self._surface.curvatures.T).absolute
-        self._density = cluster_densities(self._cloud, labels)
-        self._timings = clock.stop()
+        self.target_reduction = target_reduction
+        self.target_count = target_count
+        self.placed = placed
+        self.n_clusters = n_clusters
+        self.n_neighbors = n_neighbors
+        self.emphasis = emphasis
+        self.n_rounds = n_rounds
+        self.density_tolerance = density_tolerance
+        self.gap = gap
+        self.time_limit = time_limit
+        self.random_state = random_state
+        self.callback = callback
 
-    def reduce(self, n_keep: int) -> Simplification:
-        """Keep ``n_keep`` points.
+    def fit(self, X: Any, y: object = None) -> Self:
+        """Cluster, spread the budget over cells, swap points, and solve each cluster's program.
 
         Parameters
         ----------
-        n_keep : int
-            From 1 to n.
+        X : array_like, shape (n, 3)
+            Finite coordinates in model units; never changed.
+        y : object
+            Ignored; scikit-learn's habit.
 
         Returns
         -------
-        Simplification
-            ``info`` holds the certificates, the cluster of every input point, the curve of "auto"
-            (``cluster_count``) and, for placed points, the row that each comes from (``source``).
+        UniformSimplifier
+            Itself, fitted.
+
+        Raises
+        ------
+        InputError
+            The cloud or a setting cannot be worked on.
+        SolverError
+            The solver ended without a selection.
         """
-        clock = StageClock(self._callback)
+        points = check_points(X)
+        n_keep = check_target(len(points), self.target_reduction, self.target_count)
+        self._check_settings()
+        rng, clock = check_seed(self.random_state), StageClock(self.callback)
+        cloud, center, scale = normalize(points)
+
+        mixture = self._cluster(cloud, rng, clock.stage("clustering"))
+        progress = clock.stage("curvature")
+        tree = Neighbors(cloud)
+        surface = estimate_surface(tree, self.n_neighbors, progress)
+        density = cluster_densities(tree.sorted_points, mixture.labels[tree.order])
+        rims = find_rims(tree.sorted_points, surface, n_keep)
+        kept, cells, certificates = self._select(tree, surface, rims, density, n_keep, clock)
+
+        rows = tree.order[kept].astype(np.intp)
+        ascending = np.argsort(rows)
+        self.sample_indices_ = rows[ascending]
+        self.cells_ = _unsorted(tree, np.argsort(ascending)[cells])
+        self.labels_, self.mixture_ = mixture.labels, mixture.in_units(center, scale)
+        self.curvature_ = Curvature(*_unsorted(tree, surface.curvatures).T).in_units(scale)
+        self.certificates_ = tuple(c.in_units(1 / scale) for c in certificates)
+        self.n_features_in_ = 3
+        moved = None
+        if self.placed:
+            clock.stage("placement")
+            moved = place_points(tree, surface, rims, kept[ascending]) * scale + center
+        self.timings_ = clock.stop()
+        self.simplification_ = self._simplification(points, moved)
+        return self
+
+    def _check_settings(self) -> None:
+        check_n_clusters(self.n_clusters)
+        check_integer("n_neighbors", self.n_neighbors, 1)
+        check_choice("emphasis", self.emphasis, EMPHASES)
+        check_integer("n_rounds", self.n_rounds, 0)
+        check_number("density_tolerance", self.density_tolerance, 0.0)
+        check_number("gap", self.gap, 0.0)
+        check_number("time_limit", self.time_limit, 0.0)
+
+    def _select(
+        self,
+        tree: Neighbors,
+        surface: Surface,
+        rims: Rims,
+        density: ClusterDensity,
+        n_keep: int,
+        clock: StageClock,
+    ) -> tuple[Indices, Indices, list[SpreadCertificate]]:
+        """Places of the tree that are kept, the cell of each place, and the certificates."""
         clock.stage("cells")
-        rims = find_rims(self._cloud, self._surface, n_keep)
-        sites = spread_points(self._tree, self._surface, rims, self._curvature, self._density, n_keep)
+        curvature = Curvature(*surface.curvatures.T).absolute
+        sites = spread_points(tree, surface, rims, curvature, density, n_keep)
         clock.stage("refinement")
         sites = refine_in_density(
-            self._tree,
-            self._surface,
+            tree,
+            surface,
             sites,
-            self._density,
-            n_rounds=self._n_rounds,
-            tolerance=self._tolerance,
-            emphasis=self._emphasis,
+            density,
+            n_rounds=self.n_rounds,
+            tolerance=self.density_tolerance,
+            emphasis=EMPHASES[self.emphasis],
         )
-        indices, certificates = solve_programmes(
-            self._cloud,
-            self._surface,
+        return solve_programs(
+            tree.sorted_points,
+            surface,
             rims,
-            self._density,
+            density,
             sites,
-            tolerance=self._tolerance,
-            stop=self._stop,
+            tolerance=self.density_tolerance,
+            stop=Stop(self.gap, self.time_limit),
             progress=clock.stage("selection"),
         )
-        info: dict[str, Any] = {
-            "labels": self._in_input_order(self._density.labels),
-            "certificates": tuple(c.in_units(1 / self._scale) for c in certificates),
-            "n_clusters": len(certificates),
-            "n_certified": sum(bool(c.proven) for c in certificates),
-            "largest_residual": float(max(c.residual for c in certificates)),
-        }
-        if self._count:
-            info["cluster_count"] = self._count
-        if not self._placed:
-            rows = np.sort(self._tree.order[indices].astype(np.intp))
-            return Simplification(self._points[rows], rows, self._timings | clock.stop(), info)
-        clock.stage("placement")
-        indices = indices[np.argsort(self._tree.order[indices])]
-        moved = place_points(self._tree, self._surface, rims, indices) * self._scale + self._center
-        info["source"] = self._tree.order[indices].astype(np.intp)
-        return Simplification(moved, None, self._timings | clock.stop(), info)
 
-    def _in_input_order(self, values: Indices) -> Indices:
-        result = np.empty_like(values)
-        result[self._tree.order] = values
-        return result
+    def _simplification(self, points: Points, moved: Points | None) -> Simplification:
+        info: dict[str, Any] = {
+            "labels": self.labels_,
+            "certificates": self.certificates_,
+            "n_clusters": len(self.certificates_),
+            "n_certified": sum(bool(c.proven) for c in self.certificates_),
+            "largest_residual": float(max(c.residual for c in self.certificates_)),
+        }
+        if self.cluster_count_:
+            info["cluster_count"] = self.cluster_count_
+        rows = self.sample_indices_
+        if moved is None:
+            return Simplification(points[rows], rows, self.timings_, info)
+        return Simplification(moved, None, self.timings_, info | {"source": rows})
+
+
+def _unsorted(tree: Neighbors, values: np.ndarray) -> np.ndarray:
+    """Values by place of the tree as values by row of the cloud."""
+    result = np.empty_like(values)
+    result[tree.order] = values
+    return result

@@ -7,7 +7,11 @@ import lpcompare
 from lpcompare.errors import InputError
 from lpcompare.metrics.comparison import Comparison
 from lpcompare.registry import METHODS
-from lpcompare.uniform.simplifier import simplify_uniformly
+from lpcompare.uniform.simplifier import UniformSimplifier
+
+
+def simplify_uniformly(points, **settings):
+    return UniformSimplifier(**settings).fit(points).simplification_
 
 
 def torus(n_points=4000, seed=0):
