@@ -53,15 +53,15 @@ def uniform() -> Iterator[tuple[str, str, str]]:
 def paper() -> Iterator[tuple[str, str, str]]:
     """What became of the paper's statements."""
     source = "[paper](reports/paper/README.md)"
-    programme = [r for r in read("paper/programme.csv") if r["density"] == "mean"]
-    printed = [r for r in programme if r["reading"] == "lp_printed"]
+    program = [r for r in read("paper/program.csv") if r["density"] == "mean"]
+    printed = [r for r in program if r["reading"] == "lp_printed"]
     farthest, clusters = (sum(column(printed, name)) for name in ("farthest_chosen", "clusters"))
     yield (
-        "As printed (k = 1/PR), the programme keeps the points farthest from the centroid",
+        "As printed (k = 1/PR), the program keeps the points farthest from the centroid",
         f"{farthest:.0f} of {clusters:.0f} clusters, two models, three rates",
         source,
     )
-    density = [r for r in programme if r["reading"] == "lp_density"]
+    density = [r for r in program if r["reading"] == "lp_density"]
     yield (
         "Read as k = 1, every cluster is proven optimal",
         f"{sum(column(density, 'proven')):.0f} of {sum(column(density, 'clusters')):.0f} clusters,"

@@ -40,7 +40,7 @@ class Finding:
 
 def density_definition(tables: Tables, model: str) -> Finding | None:
     """Eq. 12 against its own sentence and eq. 15."""
-    rows = where(tables["programme"], model=model, reading="lp_density")
+    rows = where(tables["program"], model=model, reading="lp_density")
     if not rows:
         return None
     printed = values(rows, "same_after_rescaling_pct", density="printed")
@@ -51,30 +51,30 @@ def density_definition(tables: Tables, model: str) -> Finding | None:
         "Eq. 12 prints 1 / sum(1/d), a length, where its sentence and eq. 15 say mean(1/d). Changing the"
         f" unit of the model leaves at least {mean.min():.0f} % of the selection as it was with the mean, and"
         f" as little as {printed.min():.0f} % with eq. 12 as printed.",
-        "programme.csv",
+        "program.csv",
     )
 
 
 def proportionality(tables: Tables, model: str) -> Finding | None:
     """K = 1/PR of eq. 14, both densities averaged."""
-    rows = where(tables["programme"], model=model, density="mean", reading="lp_printed")
+    rows = where(tables["program"], model=model, density="mean", reading="lp_printed")
     if not rows:
         return None
     farthest, clusters = values(rows, "farthest_chosen").sum(), values(rows, "clusters").sum()
     return Finding(
-        "With k = 1/PR the programme finds a subset of proportional density (eqs. 14-20).",
+        "With k = 1/PR the program finds a subset of proportional density (eqs. 14-20).",
         "refuted" if farthest == clusters else "not confirmed",
         f"In {farthest:.0f} of {clusters:.0f} clusters over the three rates the proven optimum is the nr"
         f" points farthest from the centroid; the largest Z is {values(rows, 'largest_residual').max():.2f}"
         " of the cluster's density."
         " No subset reaches the target, so rims survive and centres empty.",
-        "programme.csv",
+        "program.csv",
     )
 
 
 def density_kept(tables: Tables, model: str) -> Finding | None:
     """The usable reading: the subset keeps the mean inverse distance."""
-    rows = where(tables["programme"], model=model, density="mean", reading="lp_density")
+    rows = where(tables["program"], model=model, density="mean", reading="lp_density")
     if not rows:
         return None
     proven, clusters = values(rows, "proven").sum(), values(rows, "clusters").sum()
@@ -83,7 +83,7 @@ def density_kept(tables: Tables, model: str) -> Finding | None:
         "confirmed" if proven == clusters else "not confirmed",
         f"Read as k = 1 (`lp_density`), {proven:.0f} of {clusters:.0f} clusters are proven optimal over the"
         f" three rates, with Z at most {values(rows, 'largest_residual').max():.1e} of the density.",
-        "programme.csv",
+        "program.csv",
     )
 
 
@@ -276,7 +276,7 @@ def holes(tables: Tables, model: str) -> Finding | None:
         "At 80 and 90 % holes appear, over planar regions.",
         "confirmed" if central <= 60 else "not confirmed",
         f"Largest distance of an original to a kept point at {float(rate):.0%}, in % of the diagonal: {told}."
-        f" Of the printed programme's worst-covered points {central:.0f} % lie in the inner half of their"
+        f" Of the printed program's worst-covered points {central:.0f} % lie in the inner half of their"
         " cluster (50 % if holes did not care about centroids).",
         "holes.csv",
     )

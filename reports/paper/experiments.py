@@ -124,7 +124,7 @@ def _error(lab: Lab, case: Row) -> Row:
     return {"n_output": len(kept), **plane_errors_pct(points, kept)}
 
 
-def _programme(lab: Lab, case: Row) -> Row:
+def _program(lab: Lab, case: Row) -> Row:
     """What the optimum of each cluster is, and what rescaling the model does to it."""
     points = lab.points(case["model"])
     settings: dict[str, Any] = {
@@ -235,11 +235,11 @@ EXPERIMENTS = (
         _error,
     ),
     Experiment(
-        "programme",
-        "What the programme's optimum is",
+        "program",
+        "What the program's optimum is",
         ("model", "reading", "density", "reduction"),
         _grid(reading=READINGS, density=("mean", "printed"), reduction=REDUCTIONS),
-        _programme,
+        _program,
     ),
     Experiment(
         "holes",

@@ -88,12 +88,12 @@ def pictures(model: str) -> list[tuple[str, str]]:
         (f"{model}-fig5-curvature.png", "Fig. 5: absolute curvature (eq. 11) and the feature points."),
         (
             f"{model}-fig6-reduced.png",
-            "Figs. 6 and 7: original, and 70, 80 and 90 % removed by the printed programme with all features"
+            "Figs. 6 and 7: original, and 70, 80 and 90 % removed by the printed program with all features"
             " kept (K = 20); triangulated by ball pivoting, shaded and wireframe.",
         ),
         (
             f"{model}-holes.png",
-            "At 90 %, equal counts: the printed programme, the density reading, lp_uniform.",
+            "At 90 %, equal counts: the printed program, the density reading, lp_uniform.",
         ),
         (f"{model}-fig8-seconds.png", "Fig. 8: seconds per stage against the number of clusters."),
         (

@@ -8,7 +8,7 @@ import pytest
 
 SIZES = (10_000, 30_000, 100_000, 300_000, 1_000_000)
 
-PROGRAMME = """
+PROGRAM = """
 import json, resource, sys, time
 import numpy as np
 import lpcompare
@@ -39,7 +39,7 @@ print(json.dumps({
 
 def measure(n_points, path=""):
     """Run in a process of its own, so that the peak of memory is this run's."""
-    command = [sys.executable, "-c", PROGRAMME, str(n_points), str(path)]
+    command = [sys.executable, "-c", PROGRAM, str(n_points), str(path)]
     return json.loads(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
 
 

@@ -18,7 +18,7 @@ from lpcompare.paper.reduction import Reading, plan_clusters, reduce_clusters
 from lpcompare.uniform.clusters import (
     cluster_densities,
     refine_in_density,
-    solve_programmes,
+    solve_programs,
     spread_points,
 )
 from lpcompare.uniform.placement import place_points
@@ -119,9 +119,9 @@ def test_refinement(benchmark, tree, cloud, density, spread):
     judge(benchmark, cloud, cloud[refined])
 
 
-def test_programmes(benchmark, cloud, surface, density, refined):
+def test_programs(benchmark, cloud, surface, density, refined):
     def solve():
-        return solve_programmes(cloud, surface, density, refined, tolerance=TOLERANCE, stop=Stop())
+        return solve_programs(cloud, surface, density, refined, tolerance=TOLERANCE, stop=Stop())
 
     judge(benchmark, cloud, cloud[timed(benchmark, solve)[0]])
 

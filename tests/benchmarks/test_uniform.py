@@ -16,7 +16,7 @@ import lpcompare
 from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.geometry.planes import plane_distances
 from lpcompare.uniform.neighborhoods import SIZES, Neighborhoods
-from lpcompare.uniform.program import Stop, _Model, build_programme, select_one_per_cell
+from lpcompare.uniform.program import Stop, _Model, build_program, select_one_per_cell
 
 N_POINTS, N_KEPT = 36_000, 7_200
 
@@ -75,7 +75,7 @@ def test_updated_neighbours_against_a_fresh_start(benchmark, cloud, kept):
     assert ratio > 1.2
 
 
-def test_programme_from_its_start_against_cold_cvxpy(benchmark):
+def test_program_from_its_start_against_cold_cvxpy(benchmark):
     rng = np.random.default_rng(0)
     cells = np.repeat(np.arange(300), 5)
     inverse = rng.random(1500) + 0.5
@@ -85,7 +85,7 @@ def test_programme_from_its_start_against_cold_cvxpy(benchmark):
     def cold():
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", UserWarning)
-            build_programme(model).solve(solver=cp.HIGHS, time_limit=10.0, mip_rel_gap=5e-3)
+            build_program(model).solve(solver=cp.HIGHS, time_limit=10.0, mip_rel_gap=5e-3)
 
     ratio = compare(
         benchmark, lambda: select_one_per_cell(costs, cells, inverse, tolerance=0.01, stop=Stop()), cold, 3

@@ -43,7 +43,7 @@ PARAMETERS = (
         "formulation",
         str,
         "Density preserving",
-        "Which reading of eqs. 12-26 the programme of each cluster solves.",
+        "Which reading of eqs. 12-26 the program of each cluster solves.",
         choices=tuple(_FORMULATIONS),
     ),
     Parameter(

@@ -1,4 +1,4 @@
-"""Boolean programme per cluster that keeps the cluster's density (Leal et al., density-preserving reading).
+"""Boolean program per cluster that keeps the cluster's density (Leal et al., density-preserving reading).
 
 Leal, Leal and Sanchez-Torres (2017). Gaussian mixture clusters (eqs. 1-5), feature points by curvature
 (eqs. 6-11), and in each cluster the selection whose mean inverse distance to the centroid is that of the

@@ -49,6 +49,6 @@ def lp_placed(
         New points; ``info["source"]`` has the row that each comes from.
     """
     estimator = ESTIMATOR(
-        target_count=target_count, random_state=rng, callback=callback, placed=True, **settings
+        target_count=target_count, placed=True, random_state=rng, callback=callback, **settings
     )
     return estimator.fit(points).simplification_

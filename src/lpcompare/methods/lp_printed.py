@@ -1,4 +1,4 @@
-"""Boolean programme per cluster exactly as printed, with k = 1/PR (Leal et al., eqs. 12-26).
+"""Boolean program per cluster exactly as printed, with k = 1/PR (Leal et al., eqs. 12-26).
 
 Leal, Leal and Sanchez-Torres (2017). Gaussian mixture clusters (eqs. 1-5), feature points by curvature
 (eqs. 6-11), and in each cluster eqs. 12-26 as they stand. With k = 1/PR and averaged densities the target

@@ -30,7 +30,7 @@ def allocate_budget(total: int, sizes: Indices) -> Indices:
 
 
 def split_budget(budget: Indices, n_features: Indices, feature_share: float) -> tuple[Indices, Indices]:
-    """Divide each cluster's budget between its feature points and its programme.
+    """Divide each cluster's budget between its feature points and its program.
 
     Parameters
     ----------

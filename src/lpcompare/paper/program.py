@@ -1,4 +1,4 @@
-"""Stage 3: the boolean programme of every cluster, eqs. 14-26 of Leal et al. (2017), solved and certified.
+"""Stage 3: the boolean program of every cluster, eqs. 14-26 of Leal et al. (2017), solved and certified.
 
 The costs are divided by their mean, so objective, bound and residual are in units of the cluster's mean cost.
 """
@@ -58,8 +58,8 @@ class SolverSettings:
 
 
 @dataclass(frozen=True, eq=False)
-class Programme:
-    """What the boolean programme of one cluster is made from.
+class Program:
+    """What the boolean program of one cluster is made from.
 
     Attributes
     ----------
@@ -80,13 +80,13 @@ class Programme:
         """Whether there is nothing to choose."""
         return self.n_keep in (0, len(self.costs))
 
-    def within_reach(self) -> Programme:
-        """The programme with a density that a solver can hold."""
+    def within_reach(self) -> Program:
+        """The program with a density that a solver can hold."""
         return replace(self, goal=self.goal.within_reach(self.costs))
 
 
 def select(
-    programmes: Sequence[Programme],
+    programs: Sequence[Program],
     generators: Sequence[np.random.Generator],
     settings: SolverSettings | None = None,
     progress: Progress | None = None,
@@ -96,19 +96,19 @@ def select(
 
     Parameters
     ----------
-    programmes : sequence of Programme
+    programs : sequence of Program
     generators : sequence of numpy.random.Generator
-        One per programme; it draws the starting solution.
+        One per program; it draws the starting solution.
     settings : SolverSettings, optional
     progress : callable, optional
-        Called with (programmes solved, programmes).
+        Called with (programs solved, programs).
     cancelled : threading.Event, optional
         Ends the search soon after it is set.
 
     Returns
     -------
     list of (ndarray of bool, shape (nc,), Certificate)
-        One per programme.
+        One per program.
 
     Raises
     ------
@@ -117,14 +117,14 @@ def select(
     """
     settings, cancelled = settings or SolverSettings(), cancelled or Event()
     if settings.solver == "highs":
-        return _select_from_starts(programmes, generators, settings, progress, cancelled)
+        return _select_from_starts(programs, generators, settings, progress, cancelled)
     with warnings.catch_warnings():
         # cvxpy warns of a limit or an inaccurate solution; the certificate says both
         warnings.simplefilter("ignore", UserWarning)
-        return map_in_threads(lambda p: _select_cold(p, settings), programmes, progress, cancelled)
+        return map_in_threads(lambda p: _select_cold(p, settings), programs, progress, cancelled)
 
 
-def build_programme(programmes: Sequence[Programme]) -> tuple[cp.Problem, cp.Variable, cp.Variable]:
+def build_program(programs: Sequence[Program]) -> tuple[cp.Problem, cp.Variable, cp.Variable]:
     """Eqs. 21-26 for clusters that share no point, as one problem: the sum of theirs.
 
     Returns
@@ -134,7 +134,7 @@ def build_programme(programmes: Sequence[Programme]) -> tuple[cp.Problem, cp.Var
         The points of all K clusters, then x_{nc+1} of each.
     y : cvxpy.Variable, shape (K,)
     """
-    sizes = np.array([len(p.costs) for p in programmes])
+    sizes = np.array([len(p.costs) for p in programs])
     n_clusters, n_points = len(sizes), int(sizes.sum())
     owners = np.append(np.repeat(np.arange(n_clusters), sizes), np.arange(n_clusters))
     place = owners, np.arange(n_points + n_clusters)
@@ -142,11 +142,11 @@ def build_programme(programmes: Sequence[Programme]) -> tuple[cp.Problem, cp.Var
     y = cp.Variable(n_clusters, nonneg=True)  # eq. 19
     member = np.append(np.ones(n_points), np.zeros(n_clusters))
     row = np.concatenate(  # eq. 20
-        [p.goal.k * p.costs / p.n_keep for p in programmes] + [[-p.goal.density] for p in programmes]
+        [p.goal.k * p.costs / p.n_keep for p in programs] + [[-p.goal.density] for p in programs]
     )
     rows = csr_array((row, place))
     constraints: list[Any] = [
-        csr_array((member, place)) @ x == np.array([p.n_keep for p in programmes]),  # eq. 22
+        csr_array((member, place)) @ x == np.array([p.n_keep for p in programs]),  # eq. 22
         x[n_points:] == 1,  # eq. 23
         rows @ x <= y,  # eq. 24
         -rows @ x <= y,  # eq. 25
@@ -155,7 +155,7 @@ def build_programme(programmes: Sequence[Programme]) -> tuple[cp.Problem, cp.Var
 
 
 def _select_from_starts(
-    programmes: Sequence[Programme],
+    programs: Sequence[Program],
     generators: Sequence[np.random.Generator],
     settings: SolverSettings,
     progress: Progress | None,
@@ -163,30 +163,30 @@ def _select_from_starts(
 ) -> list[tuple[Mask, Certificate]]:
     """Give HiGHS a starting solution of every cluster where no bound proves it optimal already."""
     starts = map_in_threads(
-        lambda item: _start(*item), zip(programmes, generators, strict=True), None, cancelled
+        lambda item: _start(*item), zip(programs, generators, strict=True), None, cancelled
     )
-    pairs = list(zip(programmes, starts, strict=True))
+    pairs = list(zip(programs, starts, strict=True))
     blocks = _blocks([p.within_reach() for p, (_, certificate) in pairs if not certificate.proven])
 
-    def solve(item: tuple[Programme, tuple[Mask, Certificate], _Block | None]) -> tuple[Mask, Certificate]:
-        programme, start, block = item
-        return start if block is None else _improve(programme, start, block, settings, cancelled)
+    def solve(item: tuple[Program, tuple[Mask, Certificate], _Block | None]) -> tuple[Mask, Certificate]:
+        program, start, block = item
+        return start if block is None else _improve(program, start, block, settings, cancelled)
 
     items = [(p, start, None if start[1].proven else next(blocks)) for p, start in pairs]
     return map_in_threads(solve, items, progress, cancelled)
 
 
-def _start(programme: Programme, rng: np.random.Generator) -> tuple[Mask, Certificate]:
+def _start(program: Program, rng: np.random.Generator) -> tuple[Mask, Certificate]:
     """A selection to start from; it is final where there is nothing to choose."""
-    costs, n_keep, goal = programme.costs, programme.n_keep, programme.goal
-    if programme.trivial:
-        return _all_or_none(programme)
+    costs, n_keep, goal = program.costs, program.n_keep, program.goal
+    if program.trivial:
+        return _all_or_none(program)
     return _certified_start(starting_mask(costs, n_keep, goal.wanted, rng), costs, goal)
 
 
-def _all_or_none(programme: Programme) -> tuple[Mask, Certificate]:
-    mask = np.full(len(programme.costs), programme.n_keep > 0)
-    return mask, certify(programme.costs, mask, programme.goal)
+def _all_or_none(program: Program) -> tuple[Mask, Certificate]:
+    mask = np.full(len(program.costs), program.n_keep > 0)
+    return mask, certify(program.costs, mask, program.goal)
 
 
 def _certified_start(start: Mask, costs: Vector, goal: DensityGoal) -> tuple[Mask, Certificate]:
@@ -213,11 +213,11 @@ class _Block:
     columns: Indices
 
 
-def _blocks(programmes: Sequence[Programme]) -> Iterator[_Block]:
-    """Write the programmes as few problems, and find each one's part again."""
-    for first in range(0, len(programmes), _TOGETHER):
-        together = programmes[first : first + _TOGETHER]
-        problem, x, y = build_programme(together)
+def _blocks(programs: Sequence[Program]) -> Iterator[_Block]:
+    """Write the programs as few problems, and find each one's part again."""
+    for first in range(0, len(programs), _TOGETHER):
+        together = programs[first : first + _TOGETHER]
+        problem, x, y = build_program(together)
         canonical = Canonical(problem)
         ends = np.cumsum([len(p.costs) for p in together])
         of_points, of_ones = np.split(canonical.columns(x), ends[-1:])
@@ -226,16 +226,16 @@ def _blocks(programmes: Sequence[Programme]) -> Iterator[_Block]:
 
 
 def _improve(
-    programme: Programme,
+    program: Program,
     start: tuple[Mask, Certificate],
     block: _Block,
     settings: SolverSettings,
     cancelled: Event,
 ) -> tuple[Mask, Certificate]:
     """Give HiGHS the starting solution; what it returns is improved by exchanges and certified."""
-    costs, n_keep, goal = programme.costs, programme.n_keep, programme.goal
+    costs, n_keep, goal = program.costs, program.n_keep, program.goal
     mask, first = start
-    reach = programme.within_reach().goal
+    reach = program.within_reach().goal
     objective = reach.objective(costs[mask])
     outcome = block.problem.solve_from(
         block.columns,
@@ -250,14 +250,14 @@ def _improve(
     return best, certify(costs, best, goal, outcome.status, {"solver": outcome.bound})
 
 
-def _select_cold(programme: Programme, settings: SolverSettings) -> tuple[Mask, Certificate]:
-    """Leave the programme to cvxpy and the solver."""
-    costs, n_keep, goal = programme.costs, programme.n_keep, programme.goal
-    if programme.trivial:
-        return _all_or_none(programme)
+def _select_cold(program: Program, settings: SolverSettings) -> tuple[Mask, Certificate]:
+    """Leave the program to cvxpy and the solver."""
+    costs, n_keep, goal = program.costs, program.n_keep, program.goal
+    if program.trivial:
+        return _all_or_none(program)
     name = cp.HIGHS if settings.solver == "highs-cold" else settings.solver
     limits: dict[str, Any] = _LIMITS[name](settings) if name in _LIMITS else {}
-    problem, x, _ = build_programme([programme.within_reach()])
+    problem, x, _ = build_program([program.within_reach()])
     try:
         problem.solve(solver=name, **limits)
     except cp.SolverError as error:

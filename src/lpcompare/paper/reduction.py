@@ -1,4 +1,4 @@
-"""Stage 3 for the whole cloud: every cluster's budget, its feature points and its programme."""
+"""Stage 3 for the whole cloud: every cluster's budget, its feature points and its program."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from lpcompare.paper.budget import allocate_budget, split_budget
 from lpcompare.paper.certificate import Certificate, DensityGoal
 from lpcompare.paper.density import cluster_density, inverse_distance_costs
-from lpcompare.paper.program import Programme, SolverSettings, select
+from lpcompare.paper.program import Program, SolverSettings, select
 from lpcompare.paper.start import one_per_stratum
 from lpcompare.threads import Progress, map_in_threads
 from lpcompare.types import Indices, Mask, Points, Vector
@@ -24,7 +24,7 @@ class ClusterTask:
     kept : ndarray of int, shape (f,)
         Rows of the feature points that stay.
     candidates : ndarray of int, shape (nc,)
-        Rows of the points that the programme chooses from.
+        Rows of the points that the program chooses from.
     n_keep : int
         How many it chooses (nr).
     centroid : ndarray, shape (3,)
@@ -90,7 +90,7 @@ def plan_clusters(
         One generator per cluster is drawn from it.
     retention : {"exact-count", "keep-features"}
         "exact-count": ``target_count`` points stay. Features come first up to a share; those beyond it are
-        candidates of the programme like any other point. "keep-features": all features stay and the rest is
+        candidates of the program like any other point. "keep-features": all features stay and the rest is
         reduced by the rate, as the paper says.
     feature_share : float
         Largest share of a cluster's budget that features take under "exact-count".
@@ -111,14 +111,14 @@ def plan_clusters(
     generators = rng.spawn(len(sizes))
     members = np.split(np.argsort(labels, kind="stable"), np.cumsum(sizes)[:-1])
     tasks = []
-    for rows, n_marked, n_programme, generator in zip(members, n_kept, n_chosen, generators, strict=True):
+    for rows, n_marked, n_program, generator in zip(members, n_kept, n_chosen, generators, strict=True):
         if len(rows):
             marked = rows[features[rows]]
             marked = marked[np.argsort(curvature[marked], kind="stable")]
             kept = marked[one_per_stratum(len(marked), int(n_marked), generator)]
             candidates = np.setdiff1d(rows, kept, assume_unique=True)
             centroid = points[rows].mean(axis=0)
-            tasks.append(ClusterTask(kept, candidates, int(n_programme), centroid, generator))
+            tasks.append(ClusterTask(kept, candidates, int(n_program), centroid, generator))
     return tasks
 
 
@@ -129,7 +129,7 @@ def reduce_clusters(
     settings: SolverSettings,
     progress: Progress | None = None,
 ) -> tuple[Indices, list[Certificate]]:
-    """Solve every cluster's programme, in parallel threads.
+    """Solve every cluster's program, in parallel threads.
 
     Parameters
     ----------
@@ -151,11 +151,11 @@ def reduce_clusters(
     priced = map_in_threads(
         lambda task: inverse_distance_costs(points[task.candidates], task.centroid), tasks
     )
-    programmes = [
-        Programme(costs, task.n_keep, reading.goal(costs, task.n_keep, mean_cost))
+    programs = [
+        Program(costs, task.n_keep, reading.goal(costs, task.n_keep, mean_cost))
         for task, (costs, mean_cost) in zip(tasks, priced, strict=True)
     ]
-    results = select(programmes, [task.rng for task in tasks], settings, progress)
+    results = select(programs, [task.rng for task in tasks], settings, progress)
     chosen = [task.candidates[mask] for task, (mask, _) in zip(tasks, results, strict=True)]
     kept = np.concatenate(chosen + [task.kept for task in tasks])
     certificates = [

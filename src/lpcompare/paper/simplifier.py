@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from sklearn.base import BaseEstimator
 
 from lpcompare.checks import (
     check_choice,
@@ -18,9 +16,9 @@ from lpcompare.checks import (
     check_target,
 )
 from lpcompare.geometry.scale import normalize
-from lpcompare.paper.cluster_count import AUTO, ClusterCountSetting, check_n_clusters, choose_n_clusters
-from lpcompare.paper.clustering import Mixture, cluster_points
+from lpcompare.paper.cluster_count import ClusterCountSetting, check_n_clusters
 from lpcompare.paper.curvature import estimate_curvature
+from lpcompare.paper.estimator import CloudEstimator
 from lpcompare.paper.features import feature_mask
 from lpcompare.paper.program import SolverSettings
 from lpcompare.paper.reduction import Reading, plan_clusters, reduce_clusters
@@ -30,7 +28,7 @@ from lpcompare.types import Points, Simplification
 METHODS = ("lp_density", "lp_printed")
 
 
-class LPSimplifier(BaseEstimator):
+class LPSimplifier(CloudEstimator):
     """The method of Leal et al. (2017) with everything that it computes on the way.
 
     Parameters
@@ -54,8 +52,6 @@ class LPSimplifier(BaseEstimator):
         D_c as the text says it, or as eq. 12 prints it (it then depends on the unit of the model).
     solver : str
         "highs" (HiGHS from a starting solution), "highs-cold", or any mixed-integer solver of cvxpy.
-    clusterer : {"em", "sklearn"}
-        Our expectation maximisation, or scikit-learn's GaussianMixture as a reference.
     time_limit : float
         Seconds per cluster; at the limit the best selection so far is kept.
     gap : float
@@ -79,18 +75,18 @@ class LPSimplifier(BaseEstimator):
     curvature_ : Curvature
         H, K and A of each point (eqs. 9-11), in model units.
     feature_mask_ : ndarray of bool, shape (n,)
+    converged_ : bool
+        Whether expectation maximization met its tolerance; `ConvergenceWarning` is given where it did not.
+    n_iter_ : int
+        Iterations of expectation maximization.
     certificates_ : tuple of Certificate
         Per cluster that owns a point: densities (eqs. 12, 15), Z (eq. 14), bound and proof.
-    converged_ : bool
-        Whether the mixture's fit ended by its tolerance.
-    n_iter_ : int
-        Iterations of the mixture's fit.
     timings_ : dict of str to float
         Seconds per stage.
 
     References
     ----------
-    N. Leal, E. Leal, G. Sanchez-Torres, A Linear Programming Approach for 3D Point Cloud Simplification,
+    E. Leal, N. Leal, G. Sanchez-Torres, A Linear Programming Approach for 3D Point Cloud Simplification,
     2017.
     """
 
@@ -106,7 +102,6 @@ class LPSimplifier(BaseEstimator):
         feature_share: float = 0.4,
         density: str = "mean",
         solver: str = "highs",
-        clusterer: str = "em",
         time_limit: float = 10.0,
         gap: float = 0.0,
         random_state: int | np.random.Generator | None = 0,
@@ -121,14 +116,13 @@ class LPSimplifier(BaseEstimator):
         self.feature_share = feature_share
         self.density = density
         self.solver = solver
-        self.clusterer = clusterer
         self.time_limit = time_limit
         self.gap = gap
         self.random_state = random_state
         self.callback = callback
 
     def fit(self, X: Any, y: object = None) -> LPSimplifier:
-        """Cluster, mark the features, and solve each cluster's programme.
+        """Cluster, mark the features, and solve each cluster's program.
 
         Parameters
         ----------
@@ -175,19 +169,9 @@ class LPSimplifier(BaseEstimator):
         self.labels_, self.mixture_ = mixture.labels, mixture.in_units(center, scale)
         self.curvature_, self.feature_mask_ = curvature.in_units(scale), features
         self.sample_indices_, self.certificates_ = indices, tuple(certificates)
-        self.converged_, self.n_iter_ = mixture.converged, len(mixture.log_likelihoods)
         self.n_features_in_ = 3
         self.simplification_ = self._simplification(points)
         return self
-
-    def fit_resample(self, X: Any, y: Any = None) -> tuple[Points, Any]:
-        """Fit; return the kept points, shape (m, 3), and their part of ``y`` (None without it)."""
-        kept = self.fit(X).simplification_.points
-        return kept, None if y is None else np.asarray(y)[self.sample_indices_]
-
-    def responsibilities(self, X: Any) -> np.ndarray:
-        """Membership probabilities P(c | x_i) of eq. 1 under the fitted mixture, shape (n, K)."""
-        return self.mixture_.responsibilities(check_points(X))
 
     def _check_settings(self) -> None:
         check_choice("method", self.method, METHODS)
@@ -196,22 +180,9 @@ class LPSimplifier(BaseEstimator):
         check_choice("retention", self.retention, ("exact-count", "keep-features"))
         check_number("feature_share", self.feature_share, 0.0, 1.0)
         check_choice("density", self.density, ("mean", "printed"))
-        check_choice("clusterer", self.clusterer, ("em", "sklearn"))
         check_number("time_limit", self.time_limit, 0.0)
         check_number("gap", self.gap, 0.0)
         check_solver(self.solver)
-
-    def _cluster(
-        self, cloud: Points, rng: np.random.Generator, progress: Callable[[int, int], None]
-    ) -> Mixture:
-        wanted = check_n_clusters(self.n_clusters)
-        self.cluster_count_ = choose_n_clusters(cloud, rng) if wanted == AUTO else None
-        n_clusters = self.cluster_count_.n_clusters if self.cluster_count_ else int(wanted)
-        if self.clusterer == "sklearn":
-            from lpcompare.paper.sklearn_clustering import cluster_points_with_sklearn
-
-            return cluster_points_with_sklearn(cloud, n_clusters, rng)
-        return cluster_points(cloud, n_clusters, rng, progress=progress)
 
     def _simplification(self, points: Points) -> Simplification:
         info = {

@@ -1,4 +1,4 @@
-"""A starting solution for the boolean programme: spread over the costs, then improved by exchanges of two."""
+"""A starting solution for the boolean program: spread over the costs, then improved by exchanges of two."""
 
 from __future__ import annotations
 

@@ -4,7 +4,7 @@ The error of a reduced surface is about curvature times spacing squared. For a f
 mean over the surface is least when the points are as dense as the root of the curvature; for the mean over
 the originals, which eq. 27 takes, as the root of curvature times the density of the originals. Weights
 between the two make cells of equal weight, and a power of the inverse distance tilts them so that the
-selection keeps the density of each cluster (eq. 15) on average; the programme then settles the rest.
+selection keeps the density of each cluster (eq. 15) on average; the program then settles the rest.
 """
 
 from __future__ import annotations

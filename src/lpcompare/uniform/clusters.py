@@ -1,4 +1,4 @@
-"""`lp_uniform` and `lp_placed` for the whole cloud: cells, refinement, and the programme of every cluster."""
+"""`lp_uniform` and `lp_placed` for the whole cloud: cells, refinement, and the program of every cluster."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ def refine_in_density(
     return swap_points(tree, surface.normals, indices, n_rounds=n_rounds, emphasis=emphasis, band=band)
 
 
-def solve_programmes(
+def solve_programs(
     points: Points,
     surface: Surface,
     rims: Rims,
@@ -97,8 +97,8 @@ def solve_programmes(
     tolerance: float,
     stop: Stop,
     progress: Progress | None = None,
-) -> tuple[Indices, list[SpreadCertificate]]:
-    """One point per cell of ``sites``, chosen by the programme of each cluster, in parallel threads.
+) -> tuple[Indices, Indices, list[SpreadCertificate]]:
+    """One point per cell of ``sites``, chosen by the program of each cluster, in parallel threads.
 
     Parameters
     ----------
@@ -117,7 +117,9 @@ def solve_programmes(
     Returns
     -------
     indices : ndarray of int, shape (m,)
-        Ascending.
+        The choice of each site.
+    cells : ndarray of int, shape (n,)
+        The site of each original.
     certificates : list of SpreadCertificate
         One per cluster that owns a site, densities in 1 / unit of the points.
     """
@@ -143,7 +145,10 @@ def solve_programmes(
     order = candidates[np.argsort(clusters, kind="stable")]
     groups = np.split(order, np.cumsum(np.bincount(clusters))[:-1])
     results = map_in_threads(solve, [rows for rows in groups if len(rows)], progress, cancelled)
-    return np.sort(np.concatenate([rows for rows, _ in results])), [c for _, c in results]
+    indices = np.empty_like(sites)
+    for rows, _ in results:
+        indices[owners[rows]] = rows
+    return indices, owners, [certificate for _, certificate in results]
 
 
 def _own_sites(owners: Indices, sites: Indices) -> Indices:

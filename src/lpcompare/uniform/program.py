@@ -1,6 +1,6 @@
 """Stage 3 of `lp_uniform`: one point per cell, the cluster's density kept, the surface represented best.
 
-To the boolean programme of Leal et al. (2017), eqs. 14-26, come a second objective and one row per cell, as
+To the boolean program of Leal et al. (2017), eqs. 14-26, come a second objective and one row per cell, as
 the paper's future work asks ("multiple objectives to avoid hole generation", "uniformly distributed")::
 
     minimise    sum_i c_i x_i + W e
@@ -18,13 +18,13 @@ solution and a lower bound that leaves a gap of one cell in n_r. HiGHS closes it
 Compared, on fandisk at 70 % and 90 % (eq. 27, k = 8, over that of Poisson disk sampling at equal counts):
 
 - coverage rows, a kept point within a curvature-dependent radius of every original, in place of the cells:
-  .64 at 90 %, 124 s, 8 of 20 clusters at their time limit of 10 s (cells and this programme: .57 in .2 s);
-- cells alone, the cheapest candidate of each, no density row: .51 and .57; with this programme .51 and .57:
+  .64 at 90 %, 124 s, 8 of 20 clusters at their time limit of 10 s (cells and this program: .57 in .2 s);
+- cells alone, the cheapest candidate of each, no density row: .51 and .57; with this program .51 and .57:
   the tilted cells have paid for the density already;
 - cells made again with weights multiplied by the root of the error mass of the current selection, which lets
   the error decide how many points a region gets: .47 and .51 once, .48 and .47 three times, but Hausdorff
   then 2.9 and 1.9 times Poisson disk's and the surface lost at 70 % (1.29);
-- cells, guarded exchange, then this programme: .46 and .53 with Hausdorff below 1.5 and surface .57 and .58:
+- cells, guarded exchange, then this program: .46 and .53 with Hausdorff below 1.5 and surface .57 and .58:
   the default. Without the density rows .43 and .47: that is what it costs to keep the density;
 - the candidate nearest to the centre of its cell, in place of the least quadric, over five models: .77
   against .71 before the exchange.
@@ -78,7 +78,7 @@ class SpreadCertificate:
     density, reduced_density : float
         D_c of eq. 12 and D_cr of eq. 15.
     cost, bound : float
-        The programme's objective, in units of the cheapest choice without the density row, and a proven
+        The program's objective, in units of the cheapest choice without the density row, and a proven
         lower bound on it.
     n_candidates, n_keep : int
         Points to choose from (nc) and points chosen (nr).
@@ -175,7 +175,7 @@ def select_one_per_cell(
 
 @dataclass(frozen=True, eq=False)
 class _Model:
-    """The numbers of one cluster's programme, with D_c = 1: costs c_i, rows C_i / n_r."""
+    """The numbers of one cluster's program, with D_c = 1: costs c_i, rows C_i / n_r."""
 
     costs: Vector
     cells: Indices
@@ -199,8 +199,8 @@ class _Model:
         return float(self.costs[chosen].sum()) + _EXCESS_PRICE * self.excess(chosen)
 
 
-def build_programme(model: _Model) -> cp.Problem:
-    """The boolean programme of one cluster; its variables are ``x`` (nc + 1), ``y`` and ``e``."""
+def build_program(model: _Model) -> cp.Problem:
+    """The boolean program of one cluster; its variables are ``x`` (nc + 1), ``y`` and ``e``."""
     n_points, n_keep = len(model.costs), model.n_keep
     x = cp.Variable(n_points + 1, boolean=True, name="x")  # eq. 26
     y, e = cp.Variable(name="y", nonneg=True), cp.Variable(name="e", nonneg=True)
@@ -222,7 +222,7 @@ def build_programme(model: _Model) -> cp.Problem:
 def _solve(
     model: _Model, start: Indices, bound: float, stop: Stop, cancelled: Event | None
 ) -> tuple[Indices, str, float]:
-    problem = build_programme(model)
+    problem = build_program(model)
     canonical = Canonical(problem)
     by_name = {v.name(): canonical.columns(v) for v in problem.variables()}
     values = np.zeros(len(model.costs) + 3)

@@ -1,38 +1,35 @@
-"""`lp_uniform` and `lp_placed` from points to points: the paper's stages with the second objective."""
+"""`lp_uniform` and `lp_placed` from points to points: the estimator `UniformSimplifier`."""
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
-from sklearn.base import BaseEstimator
 
 from lpcompare.checks import check_choice, check_integer, check_number, check_points, check_seed, check_target
 from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.geometry.scale import normalize
 from lpcompare.geometry.surface import Surface, estimate_surface
-from lpcompare.paper.cluster_count import AUTO, ClusterCountSetting, check_n_clusters, choose_n_clusters
-from lpcompare.paper.clustering import cluster_points
+from lpcompare.paper.cluster_count import ClusterCountSetting, check_n_clusters
 from lpcompare.paper.curvature import Curvature
+from lpcompare.paper.estimator import CloudEstimator
 from lpcompare.progress import Callback, StageClock
-from lpcompare.types import Indices, Points, Simplification, Vector
+from lpcompare.types import Indices, Points, Simplification
 from lpcompare.uniform.clusters import (
     ClusterDensity,
-    SpreadCertificate,
     cluster_densities,
     refine_in_density,
-    solve_programmes,
+    solve_programs,
     spread_points,
 )
 from lpcompare.uniform.placement import place_points
-from lpcompare.uniform.program import Stop
+from lpcompare.uniform.program import SpreadCertificate, Stop
 from lpcompare.uniform.rims import Rims, find_rims
 from lpcompare.uniform.swaps import EMPHASES
 
 
-class UniformSimplifier(BaseEstimator):
-    """`lp_uniform` and `lp_placed` with everything that they compute on the way.
+class UniformSimplifier(CloudEstimator):
+    """Thin a cloud without holes: one point per blue-noise cell, chosen by the program of its cluster.
 
     Parameters
     ----------
@@ -59,25 +56,30 @@ class UniformSimplifier(BaseEstimator):
     random_state : int, numpy.random.Generator or None
         Seed of the k-means start and of subsamples.
     callback : callable, optional
-        Called with (stage, done, total) as "clustering", "curvature" and "selection" proceed.
+        Called with (stage, done, total) as each of "clustering", "curvature", "cells", "swaps" and
+        "selection" proceeds.
 
     Attributes
     ----------
     simplification_ : Simplification
     sample_indices_ : ndarray of int, shape (m,)
-        Rows that were kept, ascending; of placed points the rows that they come from.
+        Rows that were kept, ascending; of placed points, the rows that they come from.
     labels_ : ndarray of int, shape (n,)
         Cluster of each point.
-    curvature_ : ndarray, shape (n,)
-        Absolute curvature of each point (eqs. 9-11), in 1 / model units.
-    certificates_ : tuple of Certificate
-        Per cluster: densities, Z (eq. 14), bound and proof.
+    cells_ : ndarray of int, shape (n,)
+        Cell of each point: the place in ``sample_indices_`` of the kept point that stands for it.
+    mixture_ : Mixture
+        Weights, means, covariances in model units, and the log-likelihood per iteration (eqs. 2-5).
     cluster_count_ : ClusterCount or None
         The curve of n_clusters="auto".
+    curvature_ : Curvature
+        H, K and A of each point (eqs. 9-11), in model units.
     converged_ : bool
-        Whether the mixture's fit ended by its tolerance.
+        Whether expectation maximization met its tolerance; `ConvergenceWarning` is given where it did not.
     n_iter_ : int
-        Iterations of the mixture's fit.
+        Iterations of expectation maximization.
+    certificates_ : tuple of SpreadCertificate
+        Per cluster that owns a kept point: densities (eqs. 12, 15), Z (eq. 14), cost and bound.
     timings_ : dict of str to float
         Seconds per stage.
 
@@ -88,11 +90,11 @@ class UniformSimplifier(BaseEstimator):
 
     Examples
     --------
-    >>> import numpy as np, lpcompare
+    >>> import numpy as np
     >>> cloud = np.random.default_rng(0).normal(size=(400, 3))
-    >>> simplifier = lpcompare.UniformSimplifier(target_count=40, n_clusters=4).fit(cloud)
-    >>> len(simplifier.sample_indices_), len(simplifier.certificates_)
-    (40, 4)
+    >>> thin, values = UniformSimplifier(target_count=40, n_clusters=3).fit_resample(cloud, cloud[:, 0])
+    >>> thin.shape, values.shape
+    ((40, 3), (40,))
     """
 
     def __init__(
@@ -124,8 +126,8 @@ class UniformSimplifier(BaseEstimator):
         self.random_state = random_state
         self.callback = callback
 
-    def fit(self, X: Any, y: object = None) -> UniformSimplifier:
-        """Cluster, spread cells, swap, and solve each cluster's program.
+    def fit(self, X: Any, y: object = None) -> Self:
+        """Cluster, spread the budget over cells, swap points, and solve each cluster's program.
 
         Parameters
         ----------
@@ -151,60 +153,52 @@ class UniformSimplifier(BaseEstimator):
         self._check_settings()
         rng, clock = check_seed(self.random_state), StageClock(self.callback)
         cloud, center, scale = normalize(points)
+
+        mixture = self._cluster(cloud, rng, clock.stage("clustering"))
+        progress = clock.stage("curvature")
         tree = Neighbors(cloud)
-        density = self._cluster(tree, rng, clock)
-        surface = estimate_surface(tree, self.n_neighbors, clock.stage("curvature"))
-        curvature = Curvature(*surface.curvatures.T).absolute
-        rims, indices, certificates = self._select(tree, surface, curvature, density, n_keep, clock)
-        indices = indices[np.argsort(tree.order[indices])]
-        self.sample_indices_ = tree.order[indices].astype(np.intp)
-        self.labels_ = _in_input_order(tree, density.labels)
-        self.curvature_ = _in_input_order(tree, curvature) / scale
+        surface = estimate_surface(tree, self.n_neighbors, progress)
+        density = cluster_densities(tree.sorted_points, mixture.labels[tree.order])
+        rims = find_rims(tree.sorted_points, surface, n_keep)
+        kept, cells, certificates = self._select(tree, surface, rims, density, n_keep, clock)
+
+        rows = tree.order[kept].astype(np.intp)
+        ascending = np.argsort(rows)
+        self.sample_indices_ = rows[ascending]
+        self.cells_ = _unsorted(tree, np.argsort(ascending)[cells])
+        self.labels_, self.mixture_ = mixture.labels, mixture.in_units(center, scale)
+        self.curvature_ = Curvature(*_unsorted(tree, surface.curvatures).T).in_units(scale)
         self.certificates_ = tuple(c.in_units(1 / scale) for c in certificates)
         self.n_features_in_ = 3
-        kept = points[self.sample_indices_]
+        moved = None
         if self.placed:
             clock.stage("placement")
-            kept = place_points(tree, surface, rims, indices) * scale + center
+            moved = place_points(tree, surface, rims, kept[ascending]) * scale + center
         self.timings_ = clock.stop()
-        self.simplification_ = self._simplification(kept)
+        self.simplification_ = self._simplification(points, moved)
         return self
-
-    def fit_resample(self, X: Any, y: Any = None) -> tuple[Points, Any]:
-        """Fit; return the kept points, shape (m, 3), and their part of ``y`` (None without it)."""
-        kept = self.fit(X).simplification_.points
-        return kept, None if y is None else np.asarray(y)[self.sample_indices_]
 
     def _check_settings(self) -> None:
         check_n_clusters(self.n_clusters)
         check_integer("n_neighbors", self.n_neighbors, 1)
         check_choice("emphasis", self.emphasis, EMPHASES)
         check_integer("n_rounds", self.n_rounds, 0)
-        for name in ("density_tolerance", "gap", "time_limit"):
-            check_number(name, getattr(self, name), 0.0)
-
-    def _cluster(self, tree: Neighbors, rng: np.random.Generator, clock: StageClock) -> ClusterDensity:
-        """The clusters and their densities, in the order of the tree."""
-        progress, wanted = clock.stage("clustering"), check_n_clusters(self.n_clusters)
-        self.cluster_count_ = choose_n_clusters(tree.points, rng) if wanted == AUTO else None
-        n_clusters = self.cluster_count_.n_clusters if self.cluster_count_ else int(wanted)
-        mixture = cluster_points(tree.points, n_clusters, rng, progress=progress)
-        self.converged_, self.n_iter_ = mixture.converged, len(mixture.log_likelihoods)
-        return cluster_densities(tree.sorted_points, mixture.labels[tree.order])
+        check_number("density_tolerance", self.density_tolerance, 0.0)
+        check_number("gap", self.gap, 0.0)
+        check_number("time_limit", self.time_limit, 0.0)
 
     def _select(
         self,
         tree: Neighbors,
         surface: Surface,
-        curvature: Vector,
+        rims: Rims,
         density: ClusterDensity,
         n_keep: int,
         clock: StageClock,
-    ) -> tuple[Rims, Indices, list[SpreadCertificate]]:
-        """Rims, kept rows in the order of the tree, and the certificates of the clusters."""
+    ) -> tuple[Indices, Indices, list[SpreadCertificate]]:
+        """Places of the tree that are kept, the cell of each place, and the certificates."""
         clock.stage("cells")
-        cloud = tree.sorted_points
-        rims = find_rims(cloud, surface, n_keep)
+        curvature = Curvature(*surface.curvatures.T).absolute
         sites = spread_points(tree, surface, rims, curvature, density, n_keep)
         clock.stage("swaps")
         sites = refine_in_density(
@@ -216,8 +210,8 @@ class UniformSimplifier(BaseEstimator):
             tolerance=self.density_tolerance,
             emphasis=EMPHASES[self.emphasis],
         )
-        indices, certificates = solve_programmes(
-            cloud,
+        return solve_programs(
+            tree.sorted_points,
             surface,
             rims,
             density,
@@ -226,12 +220,11 @@ class UniformSimplifier(BaseEstimator):
             stop=Stop(self.gap, self.time_limit),
             progress=clock.stage("selection"),
         )
-        return rims, indices, certificates
 
-    def _simplification(self, kept: Points) -> Simplification:
+    def _simplification(self, points: Points, moved: Points | None) -> Simplification:
         info: dict[str, Any] = {
             "labels": self.labels_,
-            "curvature": self.curvature_,
+            "curvature": self.curvature_.absolute,
             "certificates": self.certificates_,
             "n_clusters": len(self.certificates_),
             "n_certified": sum(bool(c.proven) for c in self.certificates_),
@@ -240,12 +233,14 @@ class UniformSimplifier(BaseEstimator):
         }
         if self.cluster_count_:
             info["cluster_count"] = self.cluster_count_
-        if self.placed:
-            return Simplification(kept, None, self.timings_, info | {"source": self.sample_indices_})
-        return Simplification(kept, self.sample_indices_, self.timings_, info)
+        rows = self.sample_indices_
+        if moved is None:
+            return Simplification(points[rows], rows, self.timings_, info)
+        return Simplification(moved, None, self.timings_, info | {"source": rows})
 
 
-def _in_input_order(tree: Neighbors, values: NDArray[Any]) -> NDArray[Any]:
+def _unsorted(tree: Neighbors, values: np.ndarray) -> np.ndarray:
+    """Values by place of the tree as values by row of the cloud."""
     result = np.empty_like(values)
     result[tree.order] = values
     return result

@@ -1,4 +1,4 @@
-"""Property tests here solve programmes: a shared machine's pace says nothing about them."""
+"""Property tests here solve programs: a shared machine's pace says nothing about them."""
 
 from hypothesis import settings
 

@@ -1,5 +1,7 @@
 """Stage 1: the fast core against scikit-learn's mixture, and its laws."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -9,7 +11,6 @@ from threadpoolctl import threadpool_limits
 
 from lpcompare.geometry.scale import normalize
 from lpcompare.paper.clustering import assign, cluster_points, start_labels
-from lpcompare.paper.sklearn_clustering import cluster_points_with_sklearn
 
 
 def wavy_sphere(n_points, seed=0):
@@ -77,6 +78,13 @@ def test_reaches_the_log_likelihood_of_scikit_learn_on_real_scans(shared_models,
 def read_vertices(path):
     lines = path.read_text(encoding="utf-8").splitlines()
     return np.array([line.split()[1:4] for line in lines if line.startswith("v ")], dtype=float)
+
+
+def cluster_points_with_sklearn(points, n_clusters, rng):
+    """scikit-learn's mixture with its defaults: its log-likelihoods and labels."""
+    model = GaussianMixture(n_clusters, random_state=int(rng.integers(2**31)))
+    labels = model.fit_predict(points)
+    return SimpleNamespace(log_likelihoods=len(points) * np.array(model.lower_bounds_), labels=labels)
 
 
 def test_own_start_is_as_good_as_that_of_scikit_learn():

@@ -1,4 +1,4 @@
-"""Stage 3: the boolean programme against brute force, its certificates and its solvers."""
+"""Stage 3: the boolean program against brute force, its certificates and its solvers."""
 
 from itertools import combinations
 from threading import Event
@@ -16,13 +16,13 @@ from lpcompare.paper.budget import allocate_budget, split_budget
 from lpcompare.paper.certificate import TOLERANCE, DensityGoal, certify
 from lpcompare.paper.density import cluster_density, inverse_distance_costs
 from lpcompare.paper.highs import Canonical
-from lpcompare.paper.program import Programme, SolverSettings, build_programme, select
+from lpcompare.paper.program import Program, SolverSettings, build_program, select
 from lpcompare.paper.reduction import Reading
 from lpcompare.paper.start import exchange, starting_mask
 
 
 def select_one(costs, n_keep, goal, *, rng, settings=None, cancelled=None):
-    (result,) = select([Programme(costs, n_keep, goal)], [rng], settings, cancelled=cancelled)
+    (result,) = select([Program(costs, n_keep, goal)], [rng], settings, cancelled=cancelled)
     return result
 
 
@@ -111,9 +111,9 @@ def test_nothing_to_choose_is_counted():
     assert certificate.residual == 0
 
 
-def test_programme_has_the_rows_of_the_paper():
+def test_program_has_the_rows_of_the_paper():
     costs = np.array([0.5, 1.0, 1.5])
-    problem, x, _ = build_programme([Programme(costs, 2, DensityGoal(1.0, 1.5))])
+    problem, x, _ = build_program([Program(costs, 2, DensityGoal(1.0, 1.5))])
     assert x.attributes["boolean"]
     assert len(problem.constraints) == 4
     data, *_ = problem.get_problem_data(cp.HIGHS)
@@ -131,16 +131,16 @@ def test_a_time_limit_keeps_the_incumbent_and_says_so():
 
 
 def test_clusters_solved_together_are_solved_as_each_alone():
-    programmes = []
+    programs = []
     for seed, (n_points, n_keep) in enumerate([(40, 9), (7, 0), (300, 90), (5, 5), (25, 3)]):
         costs, _ = costs_of(n_points, seed)
-        programmes.append(Programme(costs, n_keep, DensityGoal(1.0, 1.0 + 0.5 * (seed == 4))))
+        programs.append(Program(costs, n_keep, DensityGoal(1.0, 1.0 + 0.5 * (seed == 4))))
     steps = []
     together = select(
-        programmes, generators(len(programmes)), progress=lambda done, total: steps.append((done, total))
+        programs, generators(len(programs)), progress=lambda done, total: steps.append((done, total))
     )
-    for programme, rng, (mask, certificate) in zip(programmes, generators(5), together, strict=True):
-        alone, proof = select_one(programme.costs, programme.n_keep, programme.goal, rng=rng)
+    for program, rng, (mask, certificate) in zip(programs, generators(5), together, strict=True):
+        alone, proof = select_one(program.costs, program.n_keep, program.goal, rng=rng)
         assert np.array_equal(mask, alone)
         assert certificate == proof
     assert steps == [(done, 5) for done in range(1, 6)]
@@ -148,7 +148,7 @@ def test_clusters_solved_together_are_solved_as_each_alone():
 
 def test_a_solve_after_one_of_the_users_own_with_other_threads():
     costs, _ = costs_of(30, 0)
-    problem, x, y = build_programme([Programme(costs, 9, DensityGoal(1.0))])
+    problem, x, y = build_program([Program(costs, 9, DensityGoal(1.0))])
     highspy.Highs.resetGlobalScheduler(True)
     problem.solve(solver=cp.HIGHS, threads=2)
     canonical, start = Canonical(problem), np.concatenate([x.value, y.value])
@@ -159,13 +159,11 @@ def test_a_solve_after_one_of_the_users_own_with_other_threads():
 
 
 def test_a_joint_problem_is_the_sum_of_its_parts():
-    programmes = [Programme(costs_of(n, n)[0], n // 3, DensityGoal(1.0)) for n in (6, 9, 12)]
-    joint, _, y = build_programme(programmes)
+    programs = [Program(costs_of(n, n)[0], n // 3, DensityGoal(1.0)) for n in (6, 9, 12)]
+    joint, _, y = build_program(programs)
     joint.solve(solver=cp.HIGHS)
-    for programme, objective in zip(programmes, y.value, strict=True):
-        assert objective == pytest.approx(
-            brute_force(programme.costs, programme.n_keep, programme.goal), abs=1e-6
-        )
+    for program, objective in zip(programs, y.value, strict=True):
+        assert objective == pytest.approx(brute_force(program.costs, program.n_keep, program.goal), abs=1e-6)
 
 
 def test_a_cancelled_solve_ends_with_its_start():

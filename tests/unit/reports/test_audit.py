@@ -63,6 +63,6 @@ def test_the_feature_rule_is_held_against_none_and_some(errors_by_share, verdict
 
 
 def test_a_model_that_is_not_in_the_tables_has_no_findings():
-    names = ("programme", "counts", "errors", "features", "holes", "robustness", "seconds")
+    names = ("program", "counts", "errors", "features", "holes", "robustness", "seconds")
     tables = {name: [] for name in names}
     assert audit.audit(tables, "stanford-bunny") == []

@@ -1,4 +1,4 @@
-"""One point per cell: the programme against brute force, and what its certificate says."""
+"""One point per cell: the program against brute force, and what its certificate says."""
 
 from itertools import product
 
