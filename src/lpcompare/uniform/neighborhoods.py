@@ -12,12 +12,13 @@ from __future__ import annotations
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from lpcompare.geometry.kernels import gather, mean_plane_distance, nearest_of
 from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.geometry.stars import make_stars
 from lpcompare.threads import for_blocks
-from lpcompare.types import Indices, Points, Vector
+from lpcompare.types import Indices, Points
 
 SIZES = (6, 8, 12)
 """Neighbourhood sizes of eq. 27 that the error averages over: none is won at the cost of another."""
@@ -64,7 +65,11 @@ class Neighborhoods:
         self.lists = np.empty((n_points, _CAPACITY), dtype=np.int32)
         self.counts = np.zeros(n_points, dtype=np.int8)
         self._radii, self._normals, self._share = np.zeros(n_points), normals, triangle_share
-        self.gaps, self._planes = np.empty((n_points, 2)), np.empty(n_points)
+        self.gaps, self._planes, self._triangles = (
+            np.empty((n_points, 2)),
+            np.empty(n_points),
+            np.zeros(n_points),
+        )
         self.errors = self._planes
         self._update(np.empty(0, dtype=np.intp), np.empty(0, dtype=np.intp))
 
@@ -97,7 +102,8 @@ class Neighborhoods:
         leaving = np.zeros(len(points), dtype=np.bool_)
         leaving[dropped] = True
         arriving, all_kept = Neighbors(points[added]), Neighbors(points[self.kept])
-        state = self.lists, self.counts, self._radii, self.gaps, self._planes
+        changed = np.zeros(len(points), dtype=np.bool_)
+        state = self.lists, self.counts, self._radii, self.gaps, self._planes, changed
         arrivals = (*arriving.arrays, added[arriving.order])
         everyone = (*all_kept.arrays, self.kept[all_kept.order])
 
@@ -106,27 +112,31 @@ class Neighborhoods:
             _renew(some, points, state, leaving, arrivals, everyone, self._sizes)
 
         for_blocks(len(leaves) - 1, renew, size=_LEAVES)
-        triangles = _TRIANGLE_SCALE * self._triangle_distances() if self._share > 0 else 0.0
-        self.errors = (1 - self._share) * self._planes + self._share * triangles
+        if self._share > 0:
+            self._measure_triangles(changed)
+        self.errors = (1 - self._share) * self._planes + self._share * _TRIANGLE_SCALE * self._triangles
 
-    def _triangle_distances(self) -> Vector:
-        """Distance of every original to the stars of its three nearest kept points, shape (n,)."""
+    def _measure_triangles(self, changed: NDArray[np.bool_]) -> None:
+        """Distance of the originals to the stars of their three nearest kept points, where lists ``changed``.
+
+        A star depends on the list of its own point alone.
+        """
         points, slots = self._tree.sorted_points, self._slots
         corners = slots[self.lists[self.kept, : self._sizes[-1]]]
         stars = make_stars(points[self.kept], self._normals[self.kept], corners)
-        distances = np.empty(len(points))
 
         def measure(block: slice) -> None:
-            distances[block] = stars.distances(points[block], slots[self.lists[block, :_STARS]])
+            sites = self.lists[block, :_STARS]
+            rows = np.flatnonzero(changed[block] | changed[sites].any(axis=1))
+            self._triangles[block.start + rows] = stars.distances(points[block][rows], slots[sites[rows]])
 
         for_blocks(len(points), measure)
-        return distances
 
 
 @njit(cache=True, nogil=True)
 def _renew(leaves, points, state, leaving, arrivals, everyone, sizes):
     """Bring the originals between the places ``leaves`` up to date."""
-    lists, counts, radii, gaps, errors = state
+    lists, counts, radii, gaps, errors, stale = state
     places, starts, boxes, rows = arrivals
     found = np.empty(len(places), np.int32)
     needed = sizes[-1]
@@ -147,6 +157,7 @@ def _renew(leaves, points, state, leaving, arrivals, everyone, sizes):
             if counts[i] < needed:
                 _look_up(i, points, lists, counts, radii, everyone)
                 changed = True
+            stale[i] = changed
             if changed:
                 for j in range(2):
                     gaps[i, j] = np.sqrt(_squared_distance(points, i, lists[i, j]))
