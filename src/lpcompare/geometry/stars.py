@@ -173,27 +173,46 @@ def star_distances(queries, nearest, sites, corners, counts, closed, distances):
     for q in range(len(queries)):
         best = np.inf
         for site in nearest[q]:
-            best = min(best, _squared_offset(queries[q], sites[site]))
-            count = counts[site]
-            for i in range(count if closed[site] else count - 1):
-                b, c = sites[corners[site, i]], sites[corners[site, (i + 1) % count]]
-                best = min(best, _triangle_distance(queries[q], sites[site], b, c))
+            best = min(
+                best, _star_distance(queries[q], sites, site, corners[site, : counts[site]], closed[site])
+            )
         distances[q] = np.sqrt(best)
 
 
 @njit(cache=True, nogil=True)
-def _triangle_distance(p, a, b, c):
-    """Squared distance of a place to a triangle (Ericson, Real-time collision detection, 2005, 5.1.5)."""
-    ab, ac, ap = _offset(a, b), _offset(a, c), _offset(a, p)
-    d1, d2 = _dot(ab, ap), _dot(ac, ap)
-    bp, cp = _offset(b, p), _offset(c, p)
+def _star_distance(p, sites, site, corners, closed):
+    """Squared distance of a place to a star."""
+    a, count = sites[site], len(corners)
+    ap = _offset(a, p)
+    best = _dot(ap, ap)
+    if count < 2:
+        return best
+    ab = _offset(a, sites[corners[0]])
+    d1 = _dot(ab, ap)
+    for i in range(count if closed else count - 1):
+        ac = _offset(a, sites[corners[(i + 1) % count]])
+        d2 = _dot(ac, ap)
+        if d1 > 0 or d2 > 0:  # else the site is the nearest place of the triangle
+            best = min(best, _triangle_distance(p, ap, ab, ac, d1, d2, sites[corners[i]]))
+        ab, d1 = ac, d2
+    return best if closed else min(best, _edge_distance(ap, ab))
+
+
+@njit(cache=True, nogil=True)
+def _triangle_distance(p, ap, ab, ac, d1, d2, b):
+    """Squared distance of a place to a triangle of a star (Ericson, Real-time collision detection, 5.1.5).
+
+    The edge ac is left to the next triangle of the star, whose edge ab it is.
+    """
+    bp = _offset(b, p)
+    cp = ap[0] - ac[0], ap[1] - ac[1], ap[2] - ac[2]
     d3, d4, d5, d6 = _dot(ab, bp), _dot(ac, bp), _dot(ab, cp), _dot(ac, cp)
     va, vb, vc = d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2
     if va > 0 and vb > 0 and vc > 0:
         x = ap[0] * (ab[1] * ac[2] - ab[2] * ac[1]) + ap[1] * (ab[2] * ac[0] - ab[0] * ac[2])
         height = x + ap[2] * (ab[0] * ac[1] - ab[1] * ac[0])
         return height * height / (va + vb + vc)
-    return min(_edge_distance(ap, ab), _edge_distance(ap, ac), _edge_distance(bp, _offset(b, c)))
+    return min(_edge_distance(ap, ab), _edge_distance(bp, (ac[0] - ab[0], ac[1] - ab[1], ac[2] - ab[2])))
 
 
 @njit(cache=True, nogil=True)
@@ -208,11 +227,6 @@ def _edge_distance(ap, ab):
 @njit(cache=True, nogil=True)
 def _offset(a, b):
     return b[0] - a[0], b[1] - a[1], b[2] - a[2]
-
-
-@njit(cache=True, nogil=True)
-def _squared_offset(a, b):
-    return _dot(_offset(a, b), _offset(a, b))
 
 
 @njit(cache=True, nogil=True)
