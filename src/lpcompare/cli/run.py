@@ -116,7 +116,8 @@ def _default_folder(name: str) -> Path:
 
 def _plan(study: str, flags: dict[str, Any], assignments: list[str], machine: dict[str, Any]) -> Plan:
     """The plan: flags go before the study, the study before the defaults."""
-    from lpcompare.benchmark.study import build_plan, choose_methods, parse_assignments, read_study
+    from lpcompare.benchmark.study import build_plan, choose_methods, read_study
+    from lpcompare.cli._settings import parse_assignments
     from lpcompare.errors import InputError
 
     fields: Any = dict(read_study(study)) if study else {}

@@ -87,8 +87,8 @@ def command(
 
     Example: lpcompare simplify scan.laz thin.laz --reduction 0.9
     """
-    from lpcompare.benchmark.study import parse_assignments
     from lpcompare.checks import check_integer
+    from lpcompare.cli._settings import parse_assignments
     from lpcompare.errors import LpcompareError
     from lpcompare.registry import METHODS
 

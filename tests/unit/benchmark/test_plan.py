@@ -11,13 +11,13 @@ from lpcompare.benchmark.study import (
     build_plan,
     choose_methods,
     choose_metrics,
-    parse_assignments,
     perturbations,
     preset_names,
     read_study,
     variants,
 )
 from lpcompare.checks import target_from_reduction as target_count
+from lpcompare.cli._settings import parse_assignments
 from lpcompare.errors import InputError, UnknownName
 from lpcompare.registry import METHODS, METRICS
 
