@@ -58,7 +58,7 @@ def _lines(kind, folder, fuzz):
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as worker:
         said, limit = queue.Queue(), START_SECONDS
         threading.Thread(
-            target=lambda: [said.put(line) for line in [*worker.stdout, ""]], daemon=True
+            target=lambda: [*map(said.put, worker.stdout), said.put("")], daemon=True
         ).start()
         try:
             while line := said.get(timeout=limit):

@@ -107,7 +107,7 @@ class UniformSimplifier(CloudEstimator):
         n_neighbors: int = 20,
         emphasis: str = "balanced",
         n_rounds: int = 6,
-        density_tolerance: float = 0.01,
+        density_tolerance: float = 0.05,
         gap: float = 5e-3,
         time_limit: float = 10.0,
         random_state: int | np.random.Generator | None = 0,
