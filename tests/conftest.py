@@ -1,8 +1,11 @@
 """What every test may ask for."""
 
+import os
 from pathlib import Path
 
 import pytest
+
+from lpcompare.children import Children
 
 SHARED = Path(__file__).resolve().parents[2] / "shared" / "models"
 
@@ -19,3 +22,19 @@ def shared_models():
     if not (SHARED / "upstream").is_dir():
         pytest.skip("the real scans beside the checkout (../shared/models) are absent")
     return SHARED
+
+
+@pytest.fixture(scope="session")
+def fresh(tmp_path_factory):
+    """Call ``main`` of fresh.py in a fresh process, a fork of one that has imported our packages."""
+    folder = tmp_path_factory.mktemp("fresh")
+    with pytest.MonkeyPatch.context() as patch, Children() as children:
+        patch.setenv("PYTHONPATH", str(Path(__file__).parent), prepend=os.pathsep)
+        children.prepare("fresh")
+
+        def call(*words):
+            ending = children.call("fresh", *words, folder=folder, time_limit_s=60, memory_limit_mib=8192)
+            assert ending.code == 0, ending.errors
+            return ending.answer
+
+        yield call

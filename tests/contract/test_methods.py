@@ -1,8 +1,5 @@
 """What every method found must keep: counts, subsets, repeatability, clean inputs."""
 
-import subprocess
-import sys
-
 import numpy as np
 import pytest
 
@@ -49,19 +46,6 @@ def test_a_method_that_needs_a_mesh_declines_a_cloud_without_faces(name, cloud):
 IN_PROCESS = ("lpcompare", "numpy", "scipy")
 """What does not keep a state of its own between two calls."""
 
-DRAW = """
-import hashlib, sys
-import numpy as np
-from lpcompare.registry import call
-from lpcompare.types import PointCloud
-name, path = sys.argv[1:]
-with np.load(path) as file:
-    cloud = PointCloud(file["points"], faces=file["faces"])
-result = call(name, cloud, 150, random_state=3)
-print(len(result), hashlib.sha256(result.points.tobytes()).hexdigest())
-"""
-
-
 OUTSIDE = [
     p
     for p in usable()
@@ -70,14 +54,10 @@ OUTSIDE = [
 
 
 @pytest.mark.parametrize("name", OUTSIDE)
-def test_same_seed_gives_the_same_points_in_a_fresh_process(name, cloud, tmp_path):
+def test_same_seed_gives_the_same_points_in_a_fresh_process(name, cloud, tmp_path, fresh):
     """A wrapped library may keep a generator of its own; the harness gives each case a process."""
     np.savez(tmp_path / "cloud.npz", points=cloud.points, faces=cloud.faces)
-    command = [sys.executable, "-W", "error", "-c", DRAW, name, str(tmp_path / "cloud.npz")]
-    draws = [
-        subprocess.run(command, capture_output=True, text=True, timeout=60, check=True).stdout
-        for _ in range(2)
-    ]
+    draws = [fresh("draw", name, str(tmp_path / "cloud.npz")) for _ in range(2)]
     assert draws[0] == draws[1]
     assert draws[0].split()[0].isdigit()
 

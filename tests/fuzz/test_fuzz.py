@@ -57,9 +57,7 @@ def _lines(kind, folder, fuzz):
     command = [sys.executable, Path(__file__).with_name("worker.py"), *map(str, words)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as worker:
         said, limit = queue.Queue(), START_SECONDS
-        threading.Thread(
-            target=lambda: [*map(said.put, worker.stdout), said.put("")], daemon=True
-        ).start()
+        threading.Thread(target=lambda: [*map(said.put, worker.stdout), said.put("")], daemon=True).start()
         try:
             while line := said.get(timeout=limit):
                 yield line

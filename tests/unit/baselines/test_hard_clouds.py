@@ -1,8 +1,5 @@
 """Each rival on scans, duplicates, one point fewer than there are, and survey coordinates."""
 
-import subprocess
-import sys
-
 import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
@@ -79,23 +76,6 @@ def test_few_points(name, target):
     expect_good(name, PointCloud(np.eye(3)), target, within=2)
 
 
-FAR_OUTLIER = """
-import sys
-import numpy as np
-from lpcompare.errors import NotApplicable
-from lpcompare.registry import call
-from lpcompare.types import PointCloud
-
-points = np.random.default_rng(0).normal(size=(2000, 3))
-points /= np.linalg.norm(points, axis=1, keepdims=True)
-points[0] = float(sys.argv[2]), 0, 0
-try:
-    print(len(call(sys.argv[1], PointCloud(points), 200)))
-except NotApplicable as reason:
-    print("declined:", reason)
-"""
-
-
 @pytest.mark.parametrize(
     "name",
     [
@@ -105,10 +85,8 @@ except NotApplicable as reason:
     ],
 )
 @pytest.mark.parametrize("distance", ["1e4", "1e9"])
-def test_an_outlier_far_away_neither_hangs_nor_shortens_the_result(name, distance):
-    words = [sys.executable, "-c", FAR_OUTLIER, name, distance]
-    done = subprocess.run(words, capture_output=True, text=True, timeout=60, check=True)
-    answer = done.stdout.splitlines()[-1]
+def test_an_outlier_far_away_neither_hangs_nor_shortens_the_result(name, distance, fresh):
+    answer = fresh("far_outlier", name, distance).splitlines()[-1]
     if not answer.startswith("declined: "):
         assert abs(int(answer) - 200) <= 2
     else:
