@@ -1,0 +1,48 @@
+"""What mkdocs does here beside its plugins: pages from outside docs/, their links, and formulas without scripts."""
+
+from __future__ import annotations
+
+import html
+import os
+import re
+from pathlib import Path
+from typing import Any
+
+from latex2mathml.converter import convert
+from mkdocs.structure.files import File
+
+ROOT = Path(__file__).resolve().parent.parent
+OUTSIDE = ("CHANGELOG.md", "CONTRIBUTING.md", "CITATION.cff", "LICENSE", "reports/README.md", "reports/*.py")
+IN_REPORTS = ("README.md", "*.png", "*.svg", "*.csv", "*.json", "*.toml", "*.py")
+LINK = re.compile(r"(?<=\]\()(?![a-z]+:|#)([^)#\s]+)")
+FORMULA = re.compile(r'<(span|div) class="arithmatex">\\([(\[])(.*?)\\[)\]]</\1>', re.DOTALL)
+
+
+def on_files(files: Any, config: Any) -> Any:
+    """Add the reports and the texts of the root to the pages of docs/."""
+    patterns = [*OUTSIDE, *(f"reports/*/{pattern}" for pattern in IN_REPORTS)]
+    for path in sorted({p for pattern in patterns for p in ROOT.glob(pattern)}):
+        name = path.relative_to(ROOT).as_posix()
+        if not name.startswith("reports/local/"):
+            files.append(File.generated(config, name, abs_src_path=str(path)))
+    return files
+
+
+def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
+    """Links as they are right in the repository become links that are right in the site."""
+    folder = Path(page.file.abs_src_path).relative_to(ROOT).parent
+
+    def moved(link: re.Match[str]) -> str:
+        target = os.path.normpath(folder / link[1]).removeprefix("docs/")
+        return os.path.relpath(target, Path(page.file.src_uri).parent)
+
+    return LINK.sub(moved, markdown)
+
+
+def on_page_content(content: str, **_: Any) -> str:
+    """Formulas become MathML, which browsers draw without a script."""
+
+    def drawn(found: re.Match[str]) -> str:
+        return convert(html.unescape(found[3]), display="inline" if found[2] == "(" else "block")
+
+    return FORMULA.sub(drawn, content)
