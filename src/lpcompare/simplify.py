@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from lpcompare.checks import check_points, check_seed, check_target, valid_rows
 from lpcompare.errors import InputError
+from lpcompare.interplay import make_object, read_object
 from lpcompare.max_error import simplify_within
 from lpcompare.registry import METHODS, Seed, call
 from lpcompare.types import PointCloud, Simplification
@@ -40,8 +42,9 @@ def simplify(
 
     Parameters
     ----------
-    points : PointCloud or array_like, shape (n, 3)
+    points : PointCloud, array_like of shape (n, 3), or an object of another library
         Coordinates in model units; never changed. Methods that need a mesh need a `PointCloud` with faces.
+        Point clouds of Open3D, PyVista, trimesh and pymeshlab are read as they are.
     target_reduction : float, optional
         Share of the points to remove, from 0 to below 1.
     target_count : int, optional
@@ -74,6 +77,7 @@ def simplify(
     -------
     Simplification
         The kept points; ``indices`` are their rows in the input, or None where the method makes new points.
+        ``as_given()`` is the thinned object of the class that was given.
 
     Raises
     ------
@@ -95,7 +99,8 @@ def simplify(
     >>> lpcompare.simplify(cloud, target_count=9, method="farthest_point").indices.shape
     (9,)
     """
-    cloud, rows = _clean(points, drop_invalid=drop_invalid)
+    given = read_object(points)
+    cloud, rows = _clean(given, drop_invalid=drop_invalid)
     METHODS.check_settings(method, settings)
     if not isinstance(random_state, np.random.SeedSequence):
         check_seed(random_state)
@@ -112,22 +117,22 @@ def simplify(
             method, cloud, count, random_state=random_state, settings=settings, limits=limits or Limits()
         )
 
-    given = [target_reduction, target_count, max_error, tolerance]
-    if sum(value is not None for value in given) != 1:
+    targets = [target_reduction, target_count, max_error, tolerance]
+    if sum(value is not None for value in targets) != 1:
         raise InputError(
             "Give exactly one of target_reduction, target_count, max_error and tolerance "
-            f"(got {', '.join(map(str, given))})."
+            f"(got {', '.join(map(str, targets))})."
         )
     if max_error is None and tolerance is None:
         result = reduce(check_target(len(cloud), target_reduction, target_count))
     else:
         result = simplify_within(cloud.points, reduce, max_error, tolerance, statistic)
-    return _in_rows_of_the_input(result, rows, len(points))
+    result = _in_rows_of_the_input(result, rows, len(given))
+    return replace(result, rebuild=partial(make_object, points))
 
 
-def _clean(points: Any, *, drop_invalid: bool) -> tuple[PointCloud, np.ndarray | None]:
+def _clean(cloud: PointCloud, *, drop_invalid: bool) -> tuple[PointCloud, np.ndarray | None]:
     """The checked cloud, and the rows that it has of the input where some were left out."""
-    cloud = points if isinstance(points, PointCloud) else PointCloud(points)
     if not drop_invalid:
         return replace(cloud, points=check_points(cloud.points)), None
     values = np.ma.filled(np.ma.asarray(cloud.points, dtype=np.float64), np.nan)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
@@ -108,6 +108,8 @@ class Simplification:
         Seconds of the call, and of the search for a setting that gives the count before it.
     note : str
         A word on a result that is not all that was promised.
+    rebuild : callable or None
+        Makes the object of `as_given`; `lpcompare.simplify` fills it in.
     """
 
     points: Points
@@ -119,9 +121,28 @@ class Simplification:
     runtime_s: float | None = None
     calibration_s: float | None = None
     note: str = ""
+    rebuild: Callable[[Simplification], Any] | None = None
 
     def __len__(self) -> int:
         return len(self.points)
+
+    def as_given(self) -> Any:
+        """The result as an object of the class that `lpcompare.simplify` was given.
+
+        Returns
+        -------
+        PointCloud, ndarray of shape (m, 3), or an object of another library
+            Where points of the input were kept, their attributes follow.
+
+        Examples
+        --------
+        >>> import numpy as np, lpcompare
+        >>> cloud = PointCloud(np.eye(3), attributes={"id": np.array([7, 8, 9])})
+        >>> result = lpcompare.simplify(cloud, target_count=2, method="farthest_point")
+        >>> len(result.as_given().attributes["id"])
+        2
+        """
+        return self.points if self.rebuild is None else self.rebuild(self)
 
     def __repr__(self) -> str:
         kind = "new points" if self.indices is None else "points of the input"
