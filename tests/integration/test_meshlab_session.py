@@ -1,6 +1,5 @@
-"""The sessions of docs/meshlab.md, and the round trip through the files that MeshLab writes."""
+"""The round trip through the files that MeshLab writes."""
 
-import doctest
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -9,8 +8,6 @@ import pytest
 
 from lpcompare.io import keep_rows, read
 
-DOCS = Path(__file__).resolve().parents[2] / "docs" / "meshlab.md"
-
 
 @pytest.fixture
 def scan():
@@ -18,13 +15,6 @@ def scan():
         Path(find_spec("pymeshlab").submodule_search_locations[0])
         / "tests/sample_meshes/colored_airplane.ply"
     )
-
-
-def test_the_page_says_what_happens(scan, tmp_path):
-    names = {"SCAN": scan, "OUT": str(tmp_path / "out.ply"), "SCRIPT": str(tmp_path / "script.mlx")}
-    result = doctest.testfile(str(DOCS), module_relative=False, globs=names)
-    assert result.attempted > 20
-    assert result.failed == 0
 
 
 @pytest.mark.parametrize(("suffix", "digits"), [(".ply", 0), (".obj", 0), (".off", 0), (".xyz", 5e-7)])

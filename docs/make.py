@@ -1,0 +1,202 @@
+"""The parts of the pages that come from code and from the files under reports/.
+
+A page, or the README, marks such a part with ``<!-- made by docs/make.py: NAME -->`` before it and ``<!-- end -->`` after it.
+``python docs/make.py`` writes all of them again, ``docs/methods.md`` too; a test holds the pages against them.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import runpy
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from statistics import geometric_mean
+
+import typer
+from typer.testing import CliRunner
+
+import lpcompare
+from lpcompare.benchmark.record import load_run
+from lpcompare.cli import build_app
+from lpcompare.models.catalogue import catalogue
+from lpcompare.registry import METHODS, METRICS
+from lpcompare.report.cells import cells, mean_ratios
+from lpcompare.report.page_markdown import method_page
+from lpcompare.report.tables import format_run, markdown_table
+
+DOCS = Path(__file__).resolve().parent
+REPORTS = DOCS.parent / "reports"
+PART = re.compile(r"(<!-- made by docs/make\.py: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
+
+REFERENCE = "poisson_disk"
+GOALS = {
+    "plane_error_pct": "the shape: little distance of the originals to planes through kept points (eq. 27)",
+    "surface_distance_pct": "a surface: little distance of the originals to triangles of kept points",
+    "normal_deviation_deg": "directions: the normals of the kept points are those of the original",
+    "mean_distance_pct": "cover: every original has a kept point near it, on average",
+    "hausdorff_pct": "no holes: no original is far from a kept point",
+    "density_objective_pct": "density: thick places stay thick, thin places thin (eq. 14)",
+    "spacing_variation": "evenness: all kept points are equally far apart",
+}
+KINDS = {"your own points": (False, False), "new points": (True, False), "the mesh is known": (None, True)}
+TIMED = ("random_sample", "voxel_nearest", "poisson_disk", "farthest_point", "lp_density", "lp_uniform", "lp_placed")
+CLOUDS = {
+    "stanford-bunny": "laser scan of an object",
+    "igea": "laser scan of an object, dense",
+    "nefertiti": "reduced scan",
+    "beast": "modelled creature",
+    "ogre": "modelled creature, 44 pieces",
+    "fandisk": "CAD part with sharp edges",
+    "lidar-room-56159": "indoor laser scan",
+    "lidar-airborne-autzen-110000": "airborne laser scan",
+}
+
+
+def choice() -> Iterator[str]:
+    """What to use for which goal, from reports/methods: the best method of each kind."""
+    run = load_run(REPORTS / "methods")
+    table = cells(run.frame)
+    table = table[table.method.isin([m for m in METHODS if not METHODS.traits(m).extra])]
+    goals = {key: goal for key, goal in GOALS.items() if key in table}
+    means, _ = mean_ratios(table, REFERENCE, list(goals))
+    rows = [[goal, *(_best(means[key], *kind) for kind in KINDS.values())] for key, goal in goals.items()]
+    yield from markdown_table(["what must survive", *KINDS], rows, "---")
+    cases = table.groupby(["input", "reduction"]).ngroups
+    yield ""
+    yield f"In brackets: the measure as a multiple of `{REFERENCE}`'s, geometric mean over {cases} cases"
+    yield f"({table.input.nunique()} shapes, {_percents(table.reduction)} removed); below 1 is better. Only methods of"
+    yield f"a plain installation take part. From [reports/methods](../reports/methods/README.md), made {_day(run)}."
+
+
+def inputs() -> Iterator[str]:
+    """How the two methods of ours do on each kind of cloud, from reports/uniform."""
+    study = runpy.run_path(str(REPORTS / "uniform" / "ratios.py"))
+    cases = study["read"](REPORTS / "uniform" / "records.csv")
+    keys = ("plane_error_pct", "surface_distance_pct", "hausdorff_pct")
+    found = {m: study["ratios"](cases, m) for m in ("lp_uniform", "lp_placed")}
+    rows = []
+    for cloud in dict.fromkeys(name for name, _ in found["lp_uniform"]):
+        rows.append([cloud, CLOUDS.get(cloud, "")])
+        for ratios in found.values():
+            values = [[row[key] for (name, _), row in ratios.items() if name == cloud] for key in keys]
+            rows[-1] += [f"{geometric_mean(v):.2f}" for v in values]
+    titles = ("plane error", "surface", "Hausdorff")
+    heads = [f"`{method}`: {title}" for method in found for title in titles]
+    yield from markdown_table(["cloud", "kind", *heads], sorted(rows, key=_place), "---")
+    yield ""
+    removed = _percents({float(reduction) for _, reduction in cases})
+    yield f"Multiples of `{REFERENCE}`'s, geometric mean over {removed} removed; below 1 is better."
+    yield "From [reports/uniform](../reports/uniform/README.md), which says when and with what it was made."
+
+
+def times() -> Iterator[str]:
+    """Seconds on the bunny, from reports/bunny."""
+    run = load_run(REPORTS / "bunny")
+    table = cells(run.frame)
+    last = table[table.reduction.eq(table.reduction.max())].set_index("label")
+    rows = [[f"`{m}`", f"{last.at[m, 'runtime_s']:.3g}"] for m in TIMED if m in last.index]
+    yield from markdown_table(["method", "seconds of the call"], rows, "---")
+    yield ""
+    yield f"{int(run.frame.n_input.iloc[0]):,} points, {_percents(last.reduction)} removed, {run.environment['cores']}"
+    yield f"cores. From [reports/bunny](../reports/bunny/README.md), made {_day(run)}."
+
+
+def bunny() -> Iterator[str]:
+    """The last table of the main job, from reports/bunny."""
+    yield from ("```text", format_run(load_run(REPORTS / "bunny")).split("\n\n")[2].rstrip(), "```")
+
+
+def claims() -> Iterator[str]:
+    """The README's table."""
+    yield runpy.run_path(str(REPORTS / "claims.py"))["table"]()
+
+
+def command() -> Iterator[str]:
+    """The help texts of the command."""
+    app = typer.main.get_command(build_app())
+    for name in sorted(getattr(app, "commands", {})):
+        result = CliRunner().invoke(build_app(), [name, "--help"], prog_name="lpcompare", color=False)
+        yield from (f"## lpcompare {name}", "", "```text", *map(str.rstrip, result.output.strip().splitlines()), "```", "")
+
+
+def python() -> Iterator[str]:
+    """One entry for every public name, at its home."""
+    for name in lpcompare.__all__:
+        if home := lpcompare._HOMES.get(name):
+            yield from (f"::: lpcompare.{home}.{name}", "    options:", f"      heading: lpcompare.{name}", "")
+
+
+def metrics() -> Iterator[str]:
+    """Every column of every metric."""
+    rows = [
+        [f"`{row.metric}`", f"`{key}`", row.title, row.unit, row.better, f"`{row.alias}`" if row.alias else ""]
+        for key, row in lpcompare.metrics().iterrows()
+    ]
+    yield from markdown_table(["metric", "column", "what it is", "unit", "better", "follows from"], rows, "---")
+    slow = [name for name in METRICS if getattr(METRICS.module(name), "COST", "") == "slow"]
+    yield f"\nSlow, and only on request (`--metric NAME`): {', '.join(f'`{name}`' for name in slow)}."
+
+
+def models() -> Iterator[str]:
+    """The catalogue."""
+    rows = [
+        [f"`{name}`", f"{m.points:,}", m.title, _origin(m), m.licence, m.cite] for name, m in catalogue().items()
+    ]
+    yield from markdown_table(["model", "points", "what it is", "where from", "licence", "cite"], rows, "---")
+
+
+PARTS = {f.__name__: f for f in (choice, inputs, times, bunny, claims, command, python, metrics, models)}
+
+
+def pages() -> Iterator[tuple[Path, str]]:
+    """Every page with a made part, and the text that it should have."""
+    yield DOCS / "methods.md", method_page()
+    for path in [DOCS.parent / "README.md", *sorted(DOCS.rglob("*.md"))]:
+        text = path.read_text(encoding="utf-8")
+        made = PART.sub(lambda m: m[1] + "\n" + "\n".join(PARTS[m[2]]()).rstrip() + "\n\n" + m[3], text)
+        if PART.search(text):
+            yield path, made
+
+
+def _best(means: object, moves: bool | None, mesh: bool) -> str:
+    """The method of one kind with the least mean, and the mean."""
+    fits = {
+        m: float(v)
+        for m, v in means.items()  # type: ignore[attr-defined]
+        if METHODS.traits(m).needs_mesh == mesh and moves in (None, METHODS.traits(m).moves_points) and v == v
+    }
+    name = min(fits, key=lambda m: fits[m])
+    return f"`{name}` ({fits[name]:.2f})"
+
+
+def _place(row: list[str]) -> int:
+    known = list(CLOUDS)
+    return known.index(row[0]) if row[0] in known else len(known)
+
+
+def _percents(reductions: object) -> str:
+    return ", ".join(f"{100 * r:.0f} %" for r in sorted(set(reductions)))  # type: ignore[call-overload]
+
+
+def _day(run: object) -> str:
+    version = run.environment["packages"].get("lpcompare", "an unknown version")  # type: ignore[attr-defined]
+    return f"{str(run.environment['started'])[:10]} with lpcompare {version}"  # type: ignore[attr-defined]
+
+
+def _origin(model: object) -> str:
+    return f"made by `{model.made_by}`" if model.made_by else model.source  # type: ignore[attr-defined]
+
+
+def main() -> None:
+    """Write every page that differs and say which."""
+    os.environ["COLUMNS"] = "80"
+    for path, text in pages():
+        if path.read_text(encoding="utf-8") != text:
+            path.write_text(text, encoding="utf-8")
+            sys.stdout.write(f"{path.relative_to(DOCS.parent)}\n")
+
+
+if __name__ == "__main__":
+    main()

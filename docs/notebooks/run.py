@@ -1,0 +1,27 @@
+"""Run the notebooks of this folder again and keep their outputs: ``python docs/notebooks/run.py``."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import nbformat
+from jupyter_client import KernelManager
+from nbclient import NotebookClient
+
+
+def run_notebook(path: Path) -> nbformat.NotebookNode:
+    """The notebook with the outputs of today, from a kernel of this interpreter."""
+    manager = KernelManager(transport="ipc")
+    manager.kernel_spec.argv[0] = sys.executable
+    return NotebookClient(nbformat.read(path, as_version=4), km=manager, timeout=120, record_timing=False).execute()
+
+
+def main() -> None:
+    """Run and write every notebook."""
+    for path in sorted(Path(__file__).parent.glob("*.ipynb")):
+        nbformat.write(run_notebook(path), path)
+
+
+if __name__ == "__main__":
+    main()
