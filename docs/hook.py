@@ -57,6 +57,8 @@ def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
         markdown = markdown.replace("<!-- live report -->", "[Open the bunny's page](live/report.html): turn, zoom, sort.")
     if page.file.abs_src_path is None:
         return markdown
+    if page.parent is None:
+        page.meta["hide"] = ["navigation"]
     folder = Path(page.file.abs_src_path).relative_to(ROOT).parent
 
     def moved(link: re.Match[str]) -> str:
