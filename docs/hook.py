@@ -54,7 +54,8 @@ def notebook_page(path: Path) -> str:
 def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
     """Links as they are right in the repository become links that are right in the site."""
     if "<!-- live report -->" in markdown and LIVE:
-        markdown = markdown.replace("<!-- live report -->", "[Open the bunny's page](live/report.html): turn, zoom, sort.")
+        link = "[Open the bunny's page](live/report.html): turn, zoom, sort."
+        markdown = markdown.replace("<!-- live report -->", link)
     if page.file.abs_src_path is None:
         return markdown
     if page.parent is None:

@@ -1,11 +1,12 @@
 """The parts of the pages that come from code and from the files under reports/.
 
-A page, or the README, marks such a part with ``<!-- made by docs/make.py: NAME -->`` before it and ``<!-- end -->`` after it.
+A page marks such a part with ``<!-- made by docs/make.py: NAME -->`` before it and ``<!-- end -->`` after it.
 ``python docs/make.py`` writes all of them again, ``docs/methods.md`` too; a test holds the pages against them.
 """
 
 from __future__ import annotations
 
+import math
 import os
 import re
 import runpy
@@ -41,7 +42,15 @@ GOALS = {
     "spacing_variation": "evenness: all kept points are equally far apart",
 }
 KINDS = {"your own points": (False, False), "new points": (True, False), "the mesh is known": (None, True)}
-TIMED = ("random_sample", "voxel_nearest", "poisson_disk", "farthest_point", "lp_density", "lp_uniform", "lp_placed")
+TIMED = (
+    "random_sample",
+    "voxel_nearest",
+    "poisson_disk",
+    "farthest_point",
+    "lp_density",
+    "lp_uniform",
+    "lp_placed",
+)
 CLOUDS = {
     "stanford-bunny": "laser scan of an object",
     "igea": "laser scan of an object, dense",
@@ -118,23 +127,44 @@ def command() -> Iterator[str]:
     app = typer.main.get_command(build_app())
     for name in sorted(getattr(app, "commands", {})):
         result = CliRunner().invoke(build_app(), [name, "--help"], prog_name="lpcompare", color=False)
-        yield from (f"## lpcompare {name}", "", "```text", *map(str.rstrip, result.output.strip().splitlines()), "```", "")
+        yield from (
+            f"## lpcompare {name}",
+            "",
+            "```text",
+            *map(str.rstrip, result.output.strip().splitlines()),
+            "```",
+            "",
+        )
 
 
 def python() -> Iterator[str]:
     """One entry for every public name, at its home."""
     for name in lpcompare.__all__:
         if home := lpcompare._HOMES.get(name):
-            yield from (f"::: lpcompare.{home}.{name}", "    options:", f"      heading: lpcompare.{name}", "")
+            yield from (
+                f"::: lpcompare.{home}.{name}",
+                "    options:",
+                f"      heading: lpcompare.{name}",
+                "",
+            )
 
 
 def metrics() -> Iterator[str]:
     """Every column of every metric."""
     rows = [
-        [f"`{row.metric}`", f"`{key}`", row.title, row.unit, row.better, f"`{row.alias}`" if row.alias else ""]
+        [
+            f"`{row.metric}`",
+            f"`{key}`",
+            row.title,
+            row.unit,
+            row.better,
+            f"`{row.alias}`" if row.alias else "",
+        ]
         for key, row in lpcompare.metrics().iterrows()
     ]
-    yield from markdown_table(["metric", "column", "what it is", "unit", "better", "follows from"], rows, "---")
+    yield from markdown_table(
+        ["metric", "column", "what it is", "unit", "better", "follows from"], rows, "---"
+    )
     slow = [name for name in METRICS if getattr(METRICS.module(name), "COST", "") == "slow"]
     yield f"\nSlow, and only on request (`--metric NAME`): {', '.join(f'`{name}`' for name in slow)}."
 
@@ -142,7 +172,8 @@ def metrics() -> Iterator[str]:
 def models() -> Iterator[str]:
     """The catalogue."""
     rows = [
-        [f"`{name}`", f"{m.points:,}", m.title, _origin(m), m.licence, m.cite] for name, m in catalogue().items()
+        [f"`{name}`", f"{m.points:,}", m.title, _origin(m), m.licence, m.cite]
+        for name, m in catalogue().items()
     ]
     yield from markdown_table(["model", "points", "what it is", "where from", "licence", "cite"], rows, "---")
 
@@ -165,7 +196,9 @@ def _best(means: object, moves: bool | None, mesh: bool) -> str:
     fits = {
         m: float(v)
         for m, v in means.items()  # type: ignore[attr-defined]
-        if METHODS.traits(m).needs_mesh == mesh and moves in (None, METHODS.traits(m).moves_points) and v == v
+        if METHODS.traits(m).needs_mesh == mesh
+        and moves in (None, METHODS.traits(m).moves_points)
+        and not math.isnan(v)
     }
     name = min(fits, key=lambda m: fits[m])
     return f"`{name}` ({fits[name]:.2f})"

@@ -14,7 +14,9 @@ def run_notebook(path: Path) -> nbformat.NotebookNode:
     """The notebook with the outputs of today, from a kernel of this interpreter."""
     manager = KernelManager(transport="ipc")
     manager.kernel_spec.argv[0] = sys.executable
-    return NotebookClient(nbformat.read(path, as_version=4), km=manager, timeout=120, record_timing=False).execute()
+    return NotebookClient(
+        nbformat.read(path, as_version=4), km=manager, timeout=120, record_timing=False
+    ).execute()
 
 
 def main() -> None:

@@ -90,6 +90,11 @@ def simplify(
     MethodError, SolverError
         The method broke a promise, or its solver ended without a selection.
 
+    References
+    ----------
+    The default answers the future work of N. Leal, E. Leal, G. Sanchez-Torres, A Linear Programming Approach for
+    3D Point Cloud Simplification, 2017. ``lpcompare.methods().source`` names the source of each method.
+
     Examples
     --------
     >>> import numpy as np, lpcompare

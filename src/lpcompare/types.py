@@ -40,6 +40,15 @@ class PointCloud:
         Triangles as rows of ``points``.
     name : str
         The model's name or the file's stem.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> cloud = PointCloud(np.eye(3), attributes={"id": np.array([7, 8, 9])}, name="corners")
+    >>> cloud
+    PointCloud('corners': 3 points; attributes id)
+    >>> len(cloud)
+    3
     """
 
     points: Points
@@ -110,6 +119,14 @@ class Simplification:
         A word on a result that is not all that was promised.
     rebuild : callable or None
         Makes the object of `as_given`; `lpcompare.simplify` fills it in.
+
+    Examples
+    --------
+    >>> import numpy as np, lpcompare
+    >>> points = np.random.default_rng(0).normal(size=(50, 3))
+    >>> result = lpcompare.simplify(points, target_count=5, method="farthest_point")
+    >>> bool((result.points == points[result.indices]).all())
+    True
     """
 
     points: Points

@@ -23,7 +23,10 @@ from lpcompare.cli import build_app
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
-BLOCK = re.compile(r"(?:<!-- (not run|needs): ([^>]+) -->\n)?^```(python|sh|bash|console)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+BLOCK = re.compile(
+    r"(?:<!-- (not run|needs): ([^>]+) -->\n)?^```(python|sh|bash|console)\n(.*?)^```$",
+    re.MULTILINE | re.DOTALL,
+)
 APART = {"upstream.md": "tests/integration/test_upstream.py runs it"}
 
 
@@ -32,7 +35,9 @@ def blocks(page):
 
 
 def pages():
-    return [pytest.param(p, id=p.relative_to(ROOT).as_posix()) for p in PAGES if p.name not in APART and blocks(p)]
+    return [
+        pytest.param(p, id=p.relative_to(ROOT).as_posix()) for p in PAGES if p.name not in APART and blocks(p)
+    ]
 
 
 def present(name):
@@ -86,7 +91,10 @@ def run_shell(text):
 
 @pytest.mark.parametrize("page", pages())
 def test_every_block_of_a_page_runs(page, folder):
-    plane = Path(find_spec("pymeshlab").submodule_search_locations[0]) / "tests/sample_meshes/colored_airplane.ply"
+    plane = (
+        Path(find_spec("pymeshlab").submodule_search_locations[0])
+        / "tests/sample_meshes/colored_airplane.ply"
+    )
     names = {"SCAN": str(plane), "OUT": str(folder / "out.ply"), "SCRIPT": str(folder / "script.mlx")}
     absent = []
     for condition, what, language, code in blocks(page):

@@ -159,6 +159,13 @@ class Run:
         False while the run is going on, and for good when it was killed or stopped.
     n_damaged : int
         Records that could not be read and are left out.
+
+    Examples
+    --------
+    >>> import lpcompare
+    >>> done = lpcompare.run(["cube"], ["random_sample"], reductions=[0.9])
+    >>> done.complete, len(done.records), done.frame.n_output.tolist()
+    (True, 1, [960])
     """
 
     folder: Path

@@ -55,7 +55,8 @@ def run(
     Parameters
     ----------
     models : sequence of str, PointCloud or array_like, shape (n, 3)
-        Names that `lpcompare.models` lists, files, or clouds; a cloud without a name is called ``cloud``.
+        Names that `lpcompare.models` lists, files, or clouds in model units; a cloud without a name
+        is called ``cloud``.
     methods : sequence of str, optional
         Registered methods, or "all" for every one installed. Default: those of the study `default`.
     out : str or Path, optional
@@ -98,9 +99,9 @@ def run(
 
     Examples
     --------
-    >>> done = run(["cube"], ["random_sample", "voxel_nearest"], reductions=[0.9])
+    >>> done = run(["cube"], ["random_sample", "farthest_point"], reductions=[0.9])
     >>> done.frame.groupby("label").n_output.median().to_dict()
-    {'random_sample': 960.0, 'voxel_nearest': 960.0}
+    {'farthest_point': 960.0, 'random_sample': 960.0}
     """
     clouds = load_models(models)
     fields: dict[str, Any] = {"models": list(clouds), **study} | ({"methods": methods} if methods else {})

@@ -49,7 +49,8 @@ def read(path: str | os.PathLike[str], *, drop_invalid: bool = False) -> PointCl
     Returns
     -------
     PointCloud
-        Faces of more than three sides are cut into triangles; vertices without a face are kept.
+        ``points`` has shape (n, 3), in the unit of the file. Faces of more than three sides are cut into
+        triangles; vertices without a face are kept.
 
     Raises
     ------
@@ -60,7 +61,7 @@ def read(path: str | os.PathLike[str], *, drop_invalid: bool = False) -> PointCl
     --------
     >>> import tempfile, pathlib
     >>> folder = pathlib.Path(tempfile.mkdtemp())
-    >>> _ = (folder / "scan.csv").write_text("x,y,z,intensity\\n1,2,3,7\\n4,5,nan,8\\n")
+    >>> _ = (folder / "scan.csv").write_text("x,y,z,intensity\n1,2,3,7\n4,5,nan,8\n")
     >>> cloud = read(folder / "scan.csv")
     >>> cloud.points.shape, cloud.attributes["intensity"]
     ((2, 3), array([7., 8.]))
@@ -84,6 +85,7 @@ def write(path: str | os.PathLike[str], cloud: PointCloud) -> tuple[str, ...]:
     path : str or path
         The ending names the format; a file of that name is replaced, and its mode kept.
     cloud : PointCloud
+        Points of shape (n, 3); the file has their unit.
 
     Returns
     -------

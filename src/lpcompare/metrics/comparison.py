@@ -42,6 +42,18 @@ def evaluate(
         One number per column. `lpcompare.metrics` explains the columns; the slow metrics, which triangulate
         a surface, are left out.
 
+    Raises
+    ------
+    InputError
+        A cloud is not (n, 3), or has no point with finite coordinates.
+    UnknownName
+        There is no such metric.
+
+    References
+    ----------
+    The plane error is eq. 27 of N. Leal, E. Leal, G. Sanchez-Torres, A Linear Programming Approach for 3D Point
+    Cloud Simplification, 2017. The file of each metric names the source of the others.
+
     Examples
     --------
     >>> import numpy as np

@@ -88,6 +88,14 @@ class LPSimplifier(CloudEstimator):
     ----------
     E. Leal, N. Leal, G. Sanchez-Torres, A Linear Programming Approach for 3D Point Cloud Simplification,
     2017.
+
+    Examples
+    --------
+    >>> import numpy as np, lpcompare
+    >>> cloud = np.random.default_rng(0).normal(size=(400, 3))
+    >>> fitted = lpcompare.LPSimplifier(target_count=40, n_clusters=4).fit(cloud)
+    >>> len(fitted.sample_indices_), {c.status for c in fitted.certificates_}
+    (40, {'optimal'})
     """
 
     def __init__(
@@ -135,6 +143,13 @@ class LPSimplifier(CloudEstimator):
         -------
         LPSimplifier
             Itself, fitted.
+
+        Raises
+        ------
+        InputError
+            The cloud, the target or a setting cannot be worked on.
+        SolverError
+            The solver ended without a selection.
         """
         points = check_points(X)
         target_count = check_target(len(points), self.target_reduction, self.target_count)
