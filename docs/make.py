@@ -7,7 +7,6 @@ A page marks such a part with ``<!-- made by docs/make.py: NAME -->`` before it 
 from __future__ import annotations
 
 import math
-import os
 import re
 import runpy
 import sys
@@ -224,7 +223,6 @@ def _origin(model: object) -> str:
 
 def main() -> None:
     """Write every page that differs and say which."""
-    os.environ["COLUMNS"] = "80"
     for path, text in pages():
         if path.read_text(encoding="utf-8") != text:
             path.write_text(text, encoding="utf-8")

@@ -37,9 +37,13 @@ def test_the_tables_of_the_uniform_study_stand_on_its_page():
 MAKE = runpy.run_path(str(ROOT / "docs" / "make.py"))
 
 
-@pytest.mark.parametrize(("path", "text"), MAKE["pages"](), ids=lambda value: getattr(value, "name", ""))
-def test_the_made_parts_of_the_pages_are_what_code_and_reports_say(path, text):
-    assert path.read_text(encoding="utf-8").strip() == text.strip(), "run python docs/make.py"
+def test_the_made_parts_of_the_pages_are_what_code_and_reports_say():
+    stale = [
+        path.name
+        for path, text in MAKE["pages"]()
+        if path.read_text(encoding="utf-8").strip() != text.strip()
+    ]
+    assert not stale, "run python docs/make.py"
 
 
 def test_the_default_method_is_what_the_page_of_choices_recommends():
