@@ -10,6 +10,7 @@ import re
 import shlex
 import subprocess
 import sys
+import tomllib
 from importlib.util import find_spec
 from pathlib import Path
 from shutil import which
@@ -76,17 +77,15 @@ def run_python(code, names, page):
 
 
 def run_shell(text):
-    """Plain lines of lpcompare run in this process, which has its libraries at hand; other blocks run in bash."""
-    lines = text.splitlines()
-    if all(line.startswith("lpcompare ") and not set("|<>&;$") & set(line) for line in lines):
-        for line in lines:
-            done = CliRunner().invoke(build_app(), shlex.split(line)[1:])
-            assert done.exit_code == 0, (line, done.output, done.exception)
-        return
-    done = subprocess.run(
-        ["bash", "-euo", "pipefail", "-c", text], capture_output=True, text=True, timeout=300, check=False
-    )
-    assert done.returncode == 0, text + done.stdout + done.stderr
+    """Line by line; plain lines of lpcompare run in this process, which has its libraries at hand."""
+    for line in text.splitlines():
+        if line.startswith("lpcompare ") and not set("|<>&;$") & set(line):
+            said = CliRunner().invoke(build_app(), shlex.split(line, comments=True)[1:])
+            assert said.exit_code == 0, (line, said.output, said.exception)
+        else:
+            words = ["bash", "-euo", "pipefail", "-c", line]
+            done = subprocess.run(words, capture_output=True, text=True, timeout=300, check=False)
+            assert done.returncode == 0, line + done.stdout + done.stderr
 
 
 @pytest.mark.parametrize("page", pages())
@@ -106,6 +105,30 @@ def test_every_block_of_a_page_runs(page, folder):
         run_python(code, names, page) if language == "python" else run_shell(code)
     if absent:
         pytest.skip(f"the other blocks ran; not installed: {', '.join(absent)}")
+
+
+def test_the_method_of_the_guide_is_found_and_keeps_the_contract(tmp_path):
+    """docs/guides/adding.md: its file and its entry point, installed as a package of their own."""
+    text = (ROOT / "docs" / "guides" / "adding.md").read_text(encoding="utf-8")
+    code, entry = (re.search(rf"```{kind}\n(.*?)```", text, re.DOTALL)[1] for kind in ("python", "toml"))
+    (group,) = tomllib.loads(entry)["project"]["entry-points"].items()
+    ((name, module),) = group[1].items()
+    file = tmp_path.joinpath(*module.split(".")).with_suffix(".py")
+    file.parent.mkdir()
+    file.write_text(code)
+    info = tmp_path / "mine-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: mine\nVersion: 1.0\n")
+    (info / "entry_points.txt").write_text(f"[{group[0]}]\n{name} = {module}\n")
+    check = f"from lpcompare.testing import check_method; check_method({name!r})"
+    done = subprocess.run(
+        [sys.executable, "-c", check],
+        env=os.environ | {"PYTHONPATH": str(tmp_path)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
 
 
 def test_blocks_that_are_left_out_are_few_and_say_why():
