@@ -30,12 +30,13 @@ ALLOWED = {
     "simplify": CORE | {"checks", "interplay", "max_error", "registry", "isolation"},
     "isolation": CORE | {"registry", "threads", "children", "io", "benchmark"},
     "baselines": CORE | {"mesh_library", "geometry"},
-    "metrics": CORE | {"checks", "mesh_library", "geometry", "registry"},
+    "metrics": CORE | {"checks", "interplay", "mesh_library", "geometry", "registry"},
     "models": CORE | {"mesh_library", "geometry", "io"},
     "registry": CORE | {"checks"},
     "benchmark": CORE
     | {
         "checks",
+        "interplay",
         "geometry",
         "threads",
         "files",

@@ -70,6 +70,25 @@ def test_new_points_come_back_in_the_same_class(kind):
     assert np.allclose(again.points, result.points, atol=1e-6)
 
 
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_same_object_can_be_measured(kind):
+    cloud, _ = kind()
+    result = lpcompare.simplify(cloud, target_count=30, method="farthest_point")
+    wanted = lpcompare.evaluate(POINTS, result, metrics=["plane_error"])
+    assert lpcompare.evaluate(cloud, result.as_given(), metrics=["plane_error"]) == pytest.approx(wanted)
+
+
+def test_lists_can_be_measured():
+    points = POINTS.tolist()
+    assert lpcompare.evaluate(points, points[::10], metrics=["hausdorff"])["hausdorff_pct"] > 0
+
+
+def test_an_object_can_be_a_model_of_a_run():
+    trimesh = pytest.importorskip("trimesh", reason="trimesh is not installed")
+    run = lpcompare.run([trimesh.PointCloud(POINTS)], ["random_sample"], reductions=[0.9])
+    assert run.frame[["model", "n_output", "status"]].values.tolist() == [["cloud", 30, "ok"]]
+
+
 def test_triangles_of_a_mesh_are_used():
     pyvista = pytest.importorskip("pyvista", reason="pyvista is not installed")
     result = lpcompare.simplify(pyvista.Sphere(), target_count=100, method="quadric_decimation")

@@ -23,8 +23,9 @@ from lpcompare.benchmark.study import build_plan, check_study
 from lpcompare.checks import check_points, target_from_reduction, valid_rows
 from lpcompare.children import Children, remove_left_folders, temporary_folder
 from lpcompare.errors import InputError
+from lpcompare.interplay import read_object
 from lpcompare.registry import METHODS
-from lpcompare.types import PointCloud, Points
+from lpcompare.types import PointCloud
 
 
 class Listener(Protocol):
@@ -39,7 +40,7 @@ def silent(case: Case, record: Record | None, *, reused: bool = False) -> None:
 
 
 def run(
-    models: Sequence[str | PointCloud | Points],
+    models: Sequence[Any],
     methods: Sequence[str] | None = None,
     *,
     out: str | Path | None = None,
@@ -54,7 +55,7 @@ def run(
 
     Parameters
     ----------
-    models : sequence of str, PointCloud or array_like, shape (n, 3)
+    models : sequence of str, PointCloud, array_like of shape (n, 3), or objects that `simplify` takes
         Names that `lpcompare.models` lists, files, or clouds in model units; a cloud without a name
         is called ``cloud``.
     methods : sequence of str, optional
@@ -117,7 +118,7 @@ def run(
 
 
 def load_models(
-    models: Sequence[str | PointCloud | Points],
+    models: Sequence[Any],
     *,
     strict: bool = False,
     tell: Callable[[str], object] = lambda sentence: None,
@@ -126,7 +127,7 @@ def load_models(
 
     Parameters
     ----------
-    models : sequence of str, PointCloud or array_like, shape (n, 3)
+    models : sequence of str, or of clouds as `run` takes them
     strict : bool
         Refuse a file with points that have no finite coordinates, instead of leaving these points out.
     tell : callable
@@ -155,12 +156,12 @@ def load_models(
     return clouds
 
 
-def _named(model: str | PointCloud | Points) -> tuple[str, PointCloud]:
+def _named(model: Any) -> tuple[str, PointCloud]:
     if isinstance(model, str):
         from lpcompare.models import load_model
 
         return model, load_model(model)
-    cloud = model if isinstance(model, PointCloud) else PointCloud(check_points(model))
+    cloud = read_object(model)
     cloud = replace(cloud, name=cloud.name or "cloud")
     return cloud.name, cloud
 

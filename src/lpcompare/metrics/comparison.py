@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,16 +13,17 @@ from lpcompare.checks import check_points, valid_rows
 from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.geometry.planes import fit_planes, plane_distances
 from lpcompare.geometry.scale import bounding_box_center, bounding_box_diagonal
+from lpcompare.interplay import read_object
 from lpcompare.registry import METRICS
-from lpcompare.types import PointCloud, Points, Simplification, Vector
+from lpcompare.types import Points, Simplification, Vector
 
 _LARGEST_NEIGHBORHOOD = 12
 _NORMAL_NEIGHBORS = 10
 
 
 def evaluate(
-    cloud: PointCloud | Points,
-    result: Simplification | PointCloud | Points,
+    cloud: Any,
+    result: Any,
     *,
     metrics: Sequence[str] | None = None,
 ) -> dict[str, float]:
@@ -29,10 +31,10 @@ def evaluate(
 
     Parameters
     ----------
-    cloud : PointCloud or ndarray, shape (n, 3)
-        The original, finite, in model units.
-    result : Simplification, PointCloud or ndarray, shape (m, 3)
-        The reduced cloud, m >= 1, in the same units.
+    cloud : PointCloud, array_like of shape (n, 3), or an object that `simplify` takes
+        The original, in model units. Points without finite coordinates are left out.
+    result : Simplification, or what ``cloud`` may be, with m >= 1 points
+        The reduced cloud, in the same units.
     metrics : sequence of str, optional
         The metrics to take; by default all that are quick.
 
@@ -68,10 +70,10 @@ def evaluate(
     return {key: value for name in metrics or quick for key, value in METRICS.get(name)(comparison).items()}
 
 
-def _coordinates(cloud: PointCloud | Simplification | Points) -> Points:
+def _coordinates(cloud: Any) -> Points:
     """Clean coordinates; points without any are left out, as `lpcompare.simplify` can leave them out."""
-    points = cloud if isinstance(cloud, np.ndarray) else cloud.points
-    known = points.ndim == 2 and points.dtype.kind == "f"
+    points = cloud.points if isinstance(cloud, Simplification) else read_object(cloud).points
+    known = isinstance(points, np.ndarray) and points.ndim == 2 and points.dtype.kind == "f"
     return check_points(points[valid_rows(points)] if known else points)
 
 
