@@ -1,4 +1,4 @@
-"""Run the notebooks of this folder again and keep their outputs: ``python docs/notebooks/run.py``."""
+"""Run notebooks and keep their outputs: ``python docs/notebooks/run.py [FILE...]``, by default all of this folder."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ def run_notebook(path: Path) -> nbformat.NotebookNode:
     """The notebook with the outputs of today, from a kernel of this interpreter."""
     manager = KernelManager(transport="ipc")
     manager.kernel_spec.argv[0] = sys.executable
-    return NotebookClient(
-        nbformat.read(path, as_version=4), km=manager, timeout=120, record_timing=False
-    ).execute()
+    book = nbformat.read(path, as_version=4)
+    return NotebookClient(book, km=manager, timeout=300, record_timing=False).execute()
 
 
 def main() -> None:
     """Run and write every notebook."""
-    for path in sorted(Path(__file__).parent.glob("*.ipynb")):
+    given = [Path(name) for name in sys.argv[1:]]
+    for path in given or sorted(Path(__file__).parent.glob("*.ipynb")):
         nbformat.write(run_notebook(path), path)
 
 
