@@ -23,8 +23,10 @@ from lpcompare.uniform.clusters import (
 )
 from lpcompare.uniform.placement import place_points
 from lpcompare.uniform.program import Stop
+from lpcompare.uniform.rims import find_rims
+from lpcompare.uniform.swaps import EMPHASES
 
-N_CLUSTERS, SHARE_KEPT, N_ROUNDS, TOLERANCE = 20, 0.1, 12, 0.01
+N_CLUSTERS, SHARE_KEPT, N_ROUNDS, TOLERANCE = 20, 0.1, 6, 0.05
 
 
 @pytest.fixture(scope="module")
@@ -65,13 +67,23 @@ def density(cloud, labels):
 
 
 @pytest.fixture(scope="module")
-def spread(tree, surface, curvature, density, n_keep):
-    return spread_points(tree, surface, curvature, density, n_keep)
+def rims(cloud, surface, n_keep):
+    return find_rims(cloud, surface, n_keep)
 
 
 @pytest.fixture(scope="module")
-def refined(tree, spread, density):
-    return refine_in_density(tree, spread, density, N_ROUNDS, TOLERANCE)
+def spread(tree, surface, rims, curvature, density, n_keep):
+    return spread_points(tree, surface, rims, curvature, density, n_keep)
+
+
+@pytest.fixture(scope="module")
+def refined(tree, surface, spread, density):
+    return swapped(tree, surface, spread, density)
+
+
+def swapped(tree, surface, spread, density):
+    settings = {"n_rounds": N_ROUNDS, "tolerance": TOLERANCE, "emphasis": EMPHASES["balanced"]}
+    return refine_in_density(tree, surface, spread, density, **settings)
 
 
 def timed(benchmark, stage):
@@ -109,22 +121,26 @@ def test_surface(benchmark, tree):
     assert len(timed(benchmark, lambda: estimate_surface(tree)).areas) == len(tree.points)
 
 
-def test_cells(benchmark, tree, cloud, surface, curvature, density, n_keep):
-    spread = timed(benchmark, lambda: spread_points(tree, surface, curvature, density, n_keep))
+def test_rims(benchmark, cloud, surface, n_keep):
+    assert timed(benchmark, lambda: find_rims(cloud, surface, n_keep))
+
+
+def test_cells(benchmark, tree, cloud, surface, rims, curvature, density, n_keep):
+    spread = timed(benchmark, lambda: spread_points(tree, surface, rims, curvature, density, n_keep))
     judge(benchmark, cloud, cloud[spread])
 
 
-def test_refinement(benchmark, tree, cloud, density, spread):
-    refined = timed(benchmark, lambda: refine_in_density(tree, spread, density, N_ROUNDS, TOLERANCE))
+def test_swaps(benchmark, tree, cloud, surface, density, spread):
+    refined = timed(benchmark, lambda: swapped(tree, surface, spread, density))
     judge(benchmark, cloud, cloud[refined])
 
 
-def test_programs(benchmark, cloud, surface, density, refined):
+def test_programs(benchmark, cloud, surface, rims, density, refined):
     def solve():
-        return solve_programs(cloud, surface, density, refined, tolerance=TOLERANCE, stop=Stop())
+        return solve_programs(cloud, surface, rims, density, refined, tolerance=TOLERANCE, stop=Stop())
 
     judge(benchmark, cloud, cloud[timed(benchmark, solve)[0]])
 
 
-def test_placement(benchmark, cloud, surface, refined):
-    judge(benchmark, cloud, timed(benchmark, lambda: place_points(cloud, surface, refined)))
+def test_placement(benchmark, tree, cloud, surface, rims, refined):
+    judge(benchmark, cloud, timed(benchmark, lambda: place_points(tree, surface, rims, refined)))
