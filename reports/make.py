@@ -1,0 +1,117 @@
+"""Make every study of this folder again, one after the other.
+
+Run it from the root of the repository::
+
+    python reports/make.py --models FOLDER [--only NAME ...]
+
+FOLDER holds the folders ``upstream`` and ``scans``. A step that was made from the commit that is checked out is
+passed over; a run that was stopped is continued. ``reports/local`` holds the runs and what was made.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import shutil
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+LOCAL, MADE = ROOT / "reports" / "local", ROOT / "reports" / "local" / "made.json"
+KEPT = ("run.json", "records.csv", "README.md")
+"""What is committed of a run's folder."""
+
+Words = list[str]
+
+
+def run(name: str, *words: str) -> list[Words]:
+    """The commands of a study that ``lpcompare run`` makes."""
+    folder = f"reports/local/{name}"
+    resume = ["--resume"] if (ROOT / folder / "run.json").exists() else []
+    cli = [sys.executable, "-m", "lpcompare.cli"]
+    return [
+        [*cli, "run", *words, "--out", folder, *resume],
+        [*cli, "report", "--page", "--reference", "poisson_disk", folder],
+    ]
+
+
+def steps(models: Path) -> dict[str, list[Words]]:
+    """The commands of every step, in order."""
+    python = [sys.executable]
+    suites = [f"tests/benchmarks/test_{name}.py" for name in ("stages", "methods", "metrics")]
+    measure = [*python, "-m", "pytest", "-q"]
+    scans = [f"{models}/upstream/stanford-bunny.obj", f"{models}/scans/max-planck-45045.ply"]
+    shapes = ("stanford-bunny", "fandisk", "igea", "beast", "nefertiti", "ogre", scans[1])
+    every = [word for shape in shapes for word in ("--model", shape)]
+    return {
+        "bunny": run("bunny", "--model", "bunny"),
+        "uniform": [
+            [*python, "reports/uniform/make.py", "--models", str(models), "--out", "reports/uniform"]
+        ],
+        "pauly": [[*python, "reports/pauly/make.py", "--models", str(models)]],
+        "paper": [
+            [
+                *python,
+                "reports/paper/make.py",
+                *(word for scan in scans for word in ("--model", scan)),
+                *("--out", "reports/paper"),
+            ]
+        ],
+        "methods": run("methods", "--study", "reports/methods/study.toml", *every),
+        "benchmarks": [
+            [*measure, *suites, "--benchmark-json=reports/benchmarks/baseline.json"],
+            [
+                *measure,
+                "tests/benchmarks/test_lp_filter.py",
+                "--benchmark-json=reports/benchmarks/filter.json",
+            ],
+        ],
+        "pictures": [[*python, "reports/pictures/draw.py", "reports/local/bunny"]],
+        "texts": [[*python, "docs/make.py"]],
+    }
+
+
+def make(name: str, commands: list[Words], models: Path) -> float:
+    """Run the commands of a step, keep what is committed of it, and return the seconds."""
+    began = time.monotonic()
+    for words in commands:
+        subprocess.run(words, cwd=ROOT, check=True, env={**os.environ, "LPCOMPARE_MODELS": str(models / "upstream")})
+    for file in KEPT if name in ("bunny", "methods") else ():
+        shutil.copy(LOCAL / name / file, ROOT / "reports" / name / file)
+    return time.monotonic() - began
+
+
+def commit() -> str:
+    """The commit that is checked out."""
+    words = ["git", "rev-parse", "HEAD"]
+    return subprocess.run(words, cwd=ROOT, check=True, capture_output=True, text=True).stdout.strip()
+
+
+def main() -> None:
+    """Make the steps that the command line asks for."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--models", type=Path, required=True)
+    parser.add_argument("--only", nargs="*", help="names of steps; these are made in any case")
+    given = parser.parse_args()
+    known = steps(given.models.resolve())
+    if unknown := set(given.only or ()) - set(known):
+        parser.error(f"no step is called {', '.join(sorted(unknown))}; known: {', '.join(known)}")
+    made = json.loads(MADE.read_text()) if MADE.exists() else {}
+    for name in given.only or [n for n in known if made.get(n, {}).get("commit") != commit()]:
+        seconds = make(name, known[name], given.models.resolve())
+        made[name] = {"commit": commit(), "seconds": round(seconds)}
+        LOCAL.mkdir(parents=True, exist_ok=True)
+        MADE.write_text(json.dumps(made, indent=1) + "\n")
+        print(f"{name}: {seconds:.0f} s", flush=True)
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except subprocess.CalledProcessError as error:
+        sys.exit(f"make.py: {' '.join(map(str, error.cmd))} ended with {error.returncode}")
