@@ -52,13 +52,23 @@ TIMED = (
 )
 CLOUDS = {
     "stanford-bunny": "laser scan of an object",
-    "igea": "laser scan of an object, dense",
+    "igea-face": "part of a dense laser scan of an object",
+    "max-planck": "laser scan of an object",
     "nefertiti": "reduced scan",
     "beast": "modelled creature",
     "ogre": "modelled creature, 44 pieces",
     "fandisk": "CAD part with sharp edges",
-    "lidar-room-56159": "indoor laser scan",
-    "lidar-airborne-autzen-110000": "airborne laser scan",
+    "bunny-one-scan": "one raw range scan",
+    "range-map-lato315": "one raw range map",
+    "bunny-ten-scans-part": "ten aligned scans with their noise",
+    "depth-tabletop-part": "depth camera, a table",
+    "depth-rgb-part": "depth camera, a room",
+    "lidar-room-part": "indoor laser scan",
+    "street-simulated": "simulated scan from a car",
+    "airborne-autzen": "airborne laser scan, town",
+    "airborne-terrain-part": "airborne laser scan, terrain with vegetation",
+    "terrain-csite2-sample": "airborne laser scan, terrain",
+    "forest-part": "laser scan of a forest",
 }
 
 
@@ -97,6 +107,26 @@ def inputs() -> Iterator[str]:
     removed = _percents({float(reduction) for _, reduction in cases})
     yield f"Multiples of `{REFERENCE}`'s, geometric mean over {removed} removed; below 1 is better."
     yield "From [reports/uniform](../reports/uniform/README.md), which says when and with what it was made."
+
+
+def reach() -> Iterator[str]:
+    """What our two methods reach, from reports/uniform."""
+    study = runpy.run_path(str(REPORTS / "uniform" / "ratios.py"))
+    cases = study["read"](REPORTS / "uniform" / "records.csv")
+    yield from ("All cases:", "", *study["summary"](cases))
+    for method in ("lp_uniform", "lp_placed"):
+        yield from ("", f"`{method}` by reduction:", "", *study["by_reduction"](cases, method))
+    yield from ("", "`lp_uniform` against methods that have the mesh: the number of cases where it is below, and in")
+    yield from ("brackets the geometric mean of the ratio.", "", *study["against_meshes"](cases, "lp_uniform"))
+
+
+def uniform() -> Iterator[str]:
+    """All tables of reports/uniform."""
+    study = runpy.run_path(str(REPORTS / "uniform" / "ratios.py"))
+    cases = study["read"](REPORTS / "uniform" / "records.csv")
+    yield from reach()
+    for method in ("lp_uniform", "lp_placed"):
+        yield from ("", f"## `{method}`, case by case", "", *study["by_case"](cases, method))
 
 
 def times() -> Iterator[str]:
@@ -177,13 +207,15 @@ def models() -> Iterator[str]:
     yield from markdown_table(["model", "points", "what it is", "where from", "licence", "cite"], rows, "---")
 
 
-PARTS = {f.__name__: f for f in (choice, inputs, times, bunny, claims, command, python, metrics, models)}
+PARTS = {
+    f.__name__: f for f in (choice, inputs, reach, uniform, times, bunny, claims, command, python, metrics, models)
+}
 
 
 def pages() -> Iterator[tuple[Path, str]]:
     """Every page with a made part, and the text that it should have."""
     yield DOCS / "methods.md", method_page()
-    for path in [DOCS.parent / "README.md", *sorted(DOCS.rglob("*.md"))]:
+    for path in [DOCS.parent / "README.md", *sorted(DOCS.rglob("*.md")), REPORTS / "uniform" / "README.md"]:
         text = path.read_text(encoding="utf-8")
         made = PART.sub(lambda m: m[1] + "\n" + "\n".join(PARTS[m[2]]()).rstrip() + "\n\n" + m[3], text)
         if PART.search(text):

@@ -1,6 +1,6 @@
 """The tables of reports/uniform/README.md: metrics over those of Poisson disk sampling, from records.csv.
 
-Run it from the root of the repository: ``python reports/uniform/ratios.py``.
+``python docs/make.py`` puts them there.
 """
 
 from __future__ import annotations
@@ -8,7 +8,6 @@ from __future__ import annotations
 import csv
 import json
 import math
-import sys
 from collections import defaultdict
 from pathlib import Path
 from statistics import geometric_mean
@@ -22,6 +21,7 @@ COLUMNS = {
     "hausdorff_pct": "Hausdorff",
     "mean_distance_pct": "coverage",
     "normal_deviation_deg": "normals",
+    "mls_distance_pct": "MLS",
 }
 
 
@@ -57,6 +57,30 @@ def summary(cases: dict) -> list[str]:
     return lines
 
 
+def by_reduction(cases: dict, method: str) -> list[str]:
+    """One line per reduction of ``method``: geometric mean, and the worst case in brackets."""
+    lines = [_line("removed", "cases", *COLUMNS.values()), _line(*["---"] * (len(COLUMNS) + 2))]
+    for reduction in sorted({reduction for _, reduction in cases}, key=float):
+        some = {case: rows for case, rows in cases.items() if case[1] == reduction}
+        found = list(ratios(some, method).values())
+        cells = [_mean_and_worst([row[name] for row in found]) for name in COLUMNS]
+        lines.append(_line(f"{100 * float(reduction):.0f} %", str(len(found)), *cells))
+    return lines
+
+
+def against_meshes(cases: dict, method: str) -> list[str]:
+    """One line per method that has the mesh: in how many cases ``method`` is below it, by each measure."""
+    lines = [_line("against", "cases", *COLUMNS.values()), _line(*["---"] * (len(COLUMNS) + 2))]
+    for rival in ("quadric_collapse", "quadric_decimation"):
+        found = list(ratios(cases, method, rival).values())
+        won = [
+            f"{sum(row[name] < 1 for row in found)} ({geometric_mean([row[name] for row in found]):.2f})"
+            for name in COLUMNS
+        ]
+        lines.append(_line(rival, str(len(found)), *won))
+    return lines
+
+
 def by_case(cases: dict, method: str) -> list[str]:
     """One line per case of ``method``, beside the rivals that have the mesh, and the worst cluster's Z."""
     rivals = ("quadric_collapse", "quadric_decimation")
@@ -79,14 +103,3 @@ def _mean_and_worst(values: list[float]) -> str:
 
 def _line(*cells: str) -> str:
     return f"| {' | '.join(cells)} |"
-
-
-def main() -> None:
-    """Write the tables to stdout."""
-    cases = read(Path(__file__).with_name("records.csv"))
-    blocks = [summary(cases), by_case(cases, "lp_uniform"), by_case(cases, "lp_placed")]
-    sys.stdout.write("\n\n".join("\n".join(block) for block in blocks) + "\n")
-
-
-if __name__ == "__main__":
-    main()
