@@ -38,7 +38,7 @@ HOLDS = {
 
 
 @dataclass(frozen=True)
-class _File:
+class File:
     """A file taken apart: lines of the header up to DATA, the type of a point, and the body."""
 
     head: list[bytes]
@@ -124,15 +124,18 @@ def keep_rows(source: Path, target: Path, rows: Indices) -> tuple[str, ...]:
     return (f"the grid of {width} x {height} points becomes a list",) if height > 1 else ()
 
 
-def _take_apart(path: Path) -> _File:
-    """The header, taken apart, and the body.
+def _take_apart(path: Path) -> File:
+    return parse_header(path.read_bytes())
+
+
+def parse_header(content: bytes) -> File:
+    """The header, taken apart, and of the body what ``content`` has.
 
     Raises
     ------
     Damaged
         Fields without a type, or more values a point than anyone stores.
     """
-    content = path.read_bytes()
     end = re.search(rb"^[ \t]*DATA[ \t]+(\w+)[^\n]*\n", content[:LONGEST_HEADER], re.MULTILINE)
     if end is None:
         raise Damaged(f"its header has no line DATA in the first {LONGEST_HEADER} bytes")
@@ -158,7 +161,7 @@ def _take_apart(path: Path) -> _File:
     points, width, height = (_integer(words, key, 0, "0") for key in ("POINTS", "WIDTH", "HEIGHT"))
     shape = (width, height) if width * height >= points else (points, 1)
     used = tuple(name for name, count in zip(names, numbers_of, strict=True) if count)
-    return _File(head, end[1].lower(), np.dtype(kinds), used, shape, content[end.end() :])
+    return File(head, end[1].lower(), np.dtype(kinds), used, shape, content[end.end() :])
 
 
 def _key(line: bytes) -> bytes:
@@ -178,7 +181,7 @@ def _integer(words: dict[str, list[str]], key: str, at: int, default: str) -> in
     return value
 
 
-def _lines(file: _File) -> list[bytes]:
+def _lines(file: File) -> list[bytes]:
     """The lines of a body of text that are points."""
     lines = [line for line in file.body.splitlines(keepends=True) if line.partition(b"#")[0].strip()]
     if len(lines) != file.count:
@@ -186,7 +189,7 @@ def _lines(file: _File) -> list[bytes]:
     return lines
 
 
-def _table(file: _File) -> NDArray[Any]:
+def _table(file: File) -> NDArray[Any]:
     """The points as records."""
     size = file.count * file.kind.itemsize
     if file.encoding == b"ascii":
