@@ -102,11 +102,6 @@ def write(path: Path, cloud: PointCloud) -> None:
 def keep_rows(source: Path, target: Path, rows: Indices) -> tuple[str, ...]:
     """The same header, encoding and values; an image-like cloud becomes a list of points."""
     file = _take_apart(source)
-    counts = {b"WIDTH": len(rows), b"HEIGHT": 1, b"POINTS": len(rows)}
-    head = list(file.head)
-    for i, line in enumerate(head):
-        if _key(line) in counts:
-            head[i] = re.sub(rb"(?<=\s)\d\S*", b"%d" % counts[_key(line)], line, count=1)
     encoding, body = file.encoding, b""
     if encoding == b"ascii":
         lines = _lines(file)
@@ -119,9 +114,19 @@ def keep_rows(source: Path, target: Path, rows: Indices) -> tuple[str, ...]:
             packed = lzf.compress(whole)
             encoding = encoding if packed else b"binary"  # what cannot be made smaller
             body = struct.pack("<II", len(packed), len(whole)) + packed if packed else body
-    target.write_bytes(b"".join(head) + b"DATA " + encoding + b"\n" + body)
+    target.write_bytes(head_of(file.head, len(rows)) + b"DATA " + encoding + b"\n" + body)
     width, height = file.shape
     return (f"the grid of {width} x {height} points becomes a list",) if height > 1 else ()
+
+
+def head_of(head: list[bytes], count: int) -> bytes:
+    """The lines of a header up to DATA, for a list of ``count`` points."""
+    counts = {b"WIDTH": count, b"HEIGHT": 1, b"POINTS": count}
+    lines = list(head)
+    for i, line in enumerate(lines):
+        if _key(line) in counts:
+            lines[i] = re.sub(rb"(?<=\s)\d\S*", b"%d" % counts[_key(line)], line, count=1)
+    return b"".join(lines)
 
 
 def _take_apart(path: Path) -> File:

@@ -1,0 +1,57 @@
+"""Dask clusters: one on this machine, or a running one by the address of its scheduler."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from lpcompare.errors import InputError, Unavailable
+from lpcompare.threads import thread_count
+
+_DEATHS = 10
+"""Workers that may die at a task before it is given up."""
+
+
+@contextmanager
+def local_client(n_workers: int) -> Iterator[Any]:
+    """A client of a new cluster of so many processes on this machine, which ends with the block."""
+    distributed = _distributed()
+    import dask
+
+    threads = str(max(1, thread_count() // n_workers))
+    with (
+        dask.config.set({"distributed.scheduler.allowed-failures": _DEATHS}),
+        distributed.LocalCluster(
+            n_workers=n_workers,
+            threads_per_worker=1,
+            memory_limit=0,
+            dashboard_address=os.environ.get("LPCOMPARE_DASHBOARD", "127.0.0.1:0"),
+            env={"LPCOMPARE_THREADS": threads},
+        ) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        yield client
+
+
+@contextmanager
+def remote_client(address: str) -> Iterator[Any]:
+    """A client of a running scheduler; raises `InputError` where it does not answer."""
+    distributed = _distributed()
+    try:
+        client = distributed.Client(address, timeout="10s")
+    except (OSError, ValueError) as error:
+        raise InputError(f"The scheduler {address} does not answer ({error}); check its address.") from error
+    with client:
+        yield client
+
+
+def _distributed() -> Any:
+    try:
+        import distributed
+    except ImportError as error:
+        raise Unavailable(
+            "dask and distributed are not installed. Install them with: pip install 'lpcompare[large]'."
+        ) from error
+    return distributed
