@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
+from graphlib import TopologicalSorter
 from pathlib import Path
 from typing import Any
 
@@ -56,7 +57,7 @@ class Executor:
 
     def run(self, stage: str, job: Job, tasks: Sequence[Task]) -> None:
         """Run the tasks whose outputs are missing, in any order that respects ``after``."""
-        missing = [task for task in tasks if not task.output.exists()]
+        missing = _ordered([task for task in tasks if not task.output.exists()])
         self.n_run[stage] = len(missing)
         done = len(tasks) - len(missing)
         finished = self._on_workers(job, missing) if self.client is not None else _here(job, missing)
@@ -80,6 +81,13 @@ class Executor:
                 yield
         finally:
             self.client.cancel(list(futures.values()), force=True)
+
+
+def _ordered(tasks: Sequence[Task]) -> list[Task]:
+    """The tasks, each after those that it waits for."""
+    by_output = {task.output: task for task in tasks}
+    graph = {task.output: [path for path in task.after if path in by_output] for task in tasks}
+    return [by_output[path] for path in TopologicalSorter(graph).static_order()]
 
 
 def _here(job: Job, tasks: Iterable[Task]) -> Iterable[None]:

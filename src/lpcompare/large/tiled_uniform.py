@@ -1,0 +1,359 @@
+"""`lp_uniform` in tiles: cells and swaps per tile, kept points of neighbouring tiles seen by both.
+
+1. The weights that decide local density are those of the whole cloud; a tile's budget is its share of them.
+2. Every tile spreads its budget over its own points, as cells, without regard to its neighbours.
+3. Swaps see the kept points around a tile and do not move them. Tiles that touch have different colours and take
+   turns, so that the later one sees what the earlier one kept, and each seam is worked on from both sides.
+4. Each part of a cluster has a program, with the kept points around it as sites of other cells.
+
+Each part of a cluster keeps the mean cost that the weights foresee for it, so that the whole keeps its density.
+Small parts miss it in the swaps; the programs then aim at what brings the whole back into its band.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lpcompare.geometry.neighbors import Neighbors
+from lpcompare.geometry.surface import Surface
+from lpcompare.large import clusters
+from lpcompare.large.clusters import surface_of, surroundings, tile_costs
+from lpcompare.large.job import Job
+from lpcompare.large.shares import largest_remainder
+from lpcompare.large.spacing import disk_counts, radius_of, trial_radii
+from lpcompare.large.tiles import Around, Stage, adjacent, distances_to_box, take, tile_tasks, uniform
+from lpcompare.types import Indices, Mask, Points, Vector
+from lpcompare.uniform.cells import blue_noise_centers, tilt_powers, weights_in
+from lpcompare.uniform.clusters import ClusterDensity, fill_up, solve_programmes
+from lpcompare.uniform.densities import DensityBand
+from lpcompare.uniform.program import Stop
+from lpcompare.uniform.quadrics import cheapest_of_each, tangent_quadrics
+from lpcompare.uniform.rims import Rims, find_rims
+from lpcompare.uniform.swaps import EMPHASES, swap_points
+
+_SPREAD = 0.05
+_BAND = 0.8
+_AIM = 0.5
+"""Share of the tolerance that the programs aim at where swaps left a density outside; parts may miss it."""
+_HALO = 4.0
+"""Originals around a tile that swaps and programs look at, in radii of a Poisson disk sampling."""
+_TILT_SAMPLE = 250_000
+
+
+def stages(job: Job) -> Iterator[Stage]:
+    """Weights, budgets, cells, swaps by color, programs."""
+    yield from clusters.stages(job)
+    yield "weights", tile_tasks(job, sample_weights, "weight_sample")
+    if not job.path("tilts").exists():
+        _find_tilts(job)
+    yield "budgets", tile_tasks(job, sum_weights, "weight_sums")
+    if not job.path("budgets").exists():
+        _share_budgets(job)
+    yield "cells", tile_tasks(job, spread, "cells")
+    yield "swaps", tile_tasks(job, swap, "swapped", _earlier(job))
+    if not job.path("deviations").exists():
+        _find_deviations(job, "swapped", "deviations")
+    yield "selection", tile_tasks(job, choose, "chosen")
+
+
+def summary(job: Job) -> dict[str, Any]:
+    """Largest Z of eq. 14 over the clusters, as a share of their densities, and what the programs proved."""
+    _find_deviations(job, "chosen", "result")
+    result = job.load("result")
+    return {
+        "largest_residual": float(np.abs(result["deviations"]).max()),
+        "residuals": np.abs(result["deviations"]),
+        "hole_limit": float(job.load("budgets")["radius"] * EMPHASES[job.settings["emphasis"]].hole_limit)
+        * float(job.load("whole")["scale"]),
+        "colors": int(max(_colors(job), default=0)) + 1,
+    }
+
+
+def _raw_weights(job: Job, tile: int) -> Vector:
+    whole = job.load("clusters")
+    surface, curvature = surface_of(job.map_array("surface", tile))
+    return weights_in(
+        surface.areas, curvature, float(whole["mean_curvature"]), float(whole["smallest_area"])
+    )
+
+
+def sample_weights(job: Job, tile: int) -> None:
+    """Weights and costs of a seeded sample of a tile."""
+    rows = np.asarray(job.map_array("rows", tile))
+    drawn = uniform(rows, job.seed + 2) < _TILT_SAMPLE / job.n_points
+    labels, costs = tile_costs(job, tile)
+    job.save(
+        "weight_sample",
+        tile,
+        weights=_raw_weights(job, tile)[drawn],
+        labels=labels[drawn],
+        costs=costs[drawn],
+        sums=np.bincount(labels, _raw_weights(job, tile), len(job.load("clusters")["counts"])),
+    )
+
+
+def _find_tilts(job: Job) -> None:
+    """The power of the cost that tilts the weights of each cluster to its density, from the sample."""
+    parts = [job.load("weight_sample", tile) for tile in range(job.n_tiles)]
+    weights, labels, costs = (np.concatenate([p[n] for p in parts]) for n in ("weights", "labels", "costs"))
+    n_clusters = len(job.load("clusters")["counts"])
+    powers = tilt_powers(weights, costs, labels, n_clusters)
+    before = np.bincount(labels, weights, n_clusters)
+    after = np.bincount(labels, weights * costs ** powers[labels], n_clusters)
+    factors = np.divide(before, after, out=np.ones(n_clusters), where=after > 0)
+    job.save("tilts", powers=powers, factors=factors)
+
+
+class _Tile(NamedTuple):
+    """Clusters, costs and tilted weights of the points of a tile."""
+
+    labels: Indices
+    costs: Vector
+    weights: Vector
+
+
+def _weighted(job: Job, tile: int) -> _Tile:
+    labels, costs = tile_costs(job, tile)
+    tilts = job.load("tilts")
+    tilted = costs ** tilts["powers"][labels] * tilts["factors"][labels]
+    return _Tile(labels, costs, _raw_weights(job, tile) * tilted)
+
+
+def sum_weights(job: Job, tile: int) -> None:
+    """Weights and weighted costs of the clusters of a tile, and disks that it would take."""
+    labels, costs, weights = _weighted(job, tile)
+    n_clusters = len(job.load("clusters")["counts"])
+    points = clusters.normalized(job, job.map_array("points", tile))
+    job.save(
+        "weight_sums",
+        tile,
+        weights=np.bincount(labels, weights, n_clusters),
+        costs=np.bincount(labels, weights * costs, n_clusters),
+        points=len(labels),
+        disks=disk_counts(points, trial_radii(job), job.target_count / job.n_points),
+    )
+
+
+def _share_budgets(job: Job) -> None:
+    """Points of every tile, what each part of a cluster should have, and the radius of the hole limit."""
+    sums = job.gather("weight_sums", range(job.n_tiles))
+    weights = sums["weights"].sum(axis=1)
+    budgets = largest_remainder(job.target_count, weights, sums["points"])
+    means = np.divide(sums["costs"], sums["weights"], out=np.ones_like(sums["costs"]), where=sums["weights"] > 0)
+    radius = radius_of(job.target_count, trial_radii(job), sums["disks"].sum(axis=0))
+    job.save("budgets", budgets=budgets, means=means, radius=radius)
+
+
+def _surface(job: Job, tile: int, near: Around) -> Surface:
+    values = np.concatenate([job.map_array("surface", tile), take(job, "surface", near)])
+    return surface_of(values)[0]
+
+
+def _ordered(surface: Surface, order: Indices) -> Surface:
+    return Surface(surface.normals[order], surface.areas[order], surface.curvatures[order])
+
+
+def _halo(job: Job) -> float:
+    return _HALO * float(job.load("budgets")["radius"])
+
+
+def spread(job: Job, tile: int) -> None:
+    """Cells of a tile's own points, and the point that represents each."""
+    n_keep = int(job.load("budgets")["budgets"][tile])
+    n_own = len(job.map_array("points", tile))
+    chosen = np.empty(0, dtype=np.intp)
+    if n_keep:
+        points, near = surroundings(job, tile, _halo(job))
+        surface = _surface(job, tile, near)
+        rims = _rims_of(points, surface, n_own, n_keep)
+        own = Neighbors(points[:n_own])
+        surface = Surface(surface.normals[:n_own], surface.areas[:n_own], surface.curvatures[:n_own])
+        chosen = _cells(own, surface, rims, _weighted(job, tile).weights, n_keep)
+    job.save_array("sites", tile, chosen)
+    job.save("cells", tile, count=len(chosen))
+
+
+def _rims_of(points: Points, surface: Surface, n_own: int, n_keep: int) -> Rims:
+    """Rims among the first ``n_own`` points, seen with those around them."""
+    tree = Neighbors(points)
+    n_all = min(max(1, round(n_keep * len(points) / n_own)), len(points))
+    rims = find_rims(tree.sorted_points, _ordered(surface, tree.order), n_all)
+    rows = tree.order[rims.rows]
+    own = rows < n_own
+    return Rims(rows[own].astype(np.intp), rims.directions[own], rims.areas[own])
+
+
+def _in_tree(rims: Rims, tree: Neighbors) -> Rims:
+    """Rims by their places in a tree, in its order."""
+    places = _places(tree)[rims.rows]
+    order = np.argsort(places)
+    return Rims(places[order], rims.directions[order], rims.areas[order])
+
+
+def _places(tree: Neighbors) -> Indices:
+    places = np.empty(len(tree.order), dtype=np.intp)
+    places[tree.order] = np.arange(len(places))
+    return places
+
+
+def _cells(tree: Neighbors, surface: Surface, rims: Rims, weights: Vector, n_keep: int) -> Indices:
+    """The row of the best point of each blue-noise cell, ascending."""
+    points, surface = tree.sorted_points, _ordered(surface, tree.order)
+    centers = blue_noise_centers(tree, weights[tree.order], n_keep)
+    quadrics = tangent_quadrics(points, surface, _in_tree(rims, tree), centers)
+    chosen = cheapest_of_each(quadrics.costs(points, _SPREAD), quadrics.owners, n_keep)
+    return np.sort(tree.order[fill_up(points, chosen[chosen >= 0], n_keep)].astype(np.intp))
+
+
+class _Scene(NamedTuple):
+    """A tile with what lies around it, in the order of a tree.
+
+    ``own`` and ``sites`` are the rows of the tile, and of kept points; ``places`` are those of the tile's points.
+    """
+
+    tree: Neighbors
+    surface: Surface
+    rims: Rims
+    own: Mask
+    sites: Indices
+    places: Indices
+    density: ClusterDensity
+
+
+def _scene(job: Job, tile: int, kept_of: dict[int, str]) -> _Scene:
+    """Originals within a halo of a tile, and kept points within two."""
+    reach = _halo(job)
+    points, near = surroundings(job, tile, 2 * reach)
+    n_own = len(job.map_array("points", tile))
+    kept = np.zeros(len(points), dtype=bool)
+    kept[: n_own][np.asarray(job.map_array(kept_of[tile], tile))] = True
+    for other in np.unique(near.tiles):
+        some = np.flatnonzero(near.tiles == other)
+        kept[n_own + some] = np.isin(near.places[some], job.map_array(kept_of[other], other))
+    low, high = points[:n_own].min(axis=0), points[:n_own].max(axis=0)
+    seen = kept | (distances_to_box(points, low, high) <= reach)
+    rows = np.flatnonzero(seen)
+    surface = _ordered(_surface(job, tile, near), rows)
+    points, kept = points[rows], kept[rows]
+    tree = Neighbors(points)
+    places = _places(tree)
+    n_keep = max(1, int(np.count_nonzero(kept[:n_own])))
+    rims = _in_tree(_rims_of(points, surface, n_own, n_keep), tree)
+    labels, costs = tile_costs(job, tile)
+    n_clusters = len(job.load("clusters")["counts"])
+    every_label = np.append(labels, np.full(len(rows) - n_own, n_clusters))[tree.order]
+    every_cost = np.append(costs, np.ones(len(rows) - n_own))[tree.order]
+    density = ClusterDensity(every_label, every_cost, np.ones(n_clusters + 1))
+    return _Scene(
+        tree, _ordered(surface, tree.order), rims, tree.order < n_own, np.sort(places[kept]), places[:n_own], density
+    )
+
+
+def swap(job: Job, tile: int) -> None:
+    """Swaps of a tile's points, in sight of the kept points around it."""
+    budgets = job.load("budgets")
+    kept = np.asarray(job.map_array("sites", tile))
+    if len(kept):
+        earlier = set(_earlier(job)[tile])
+        scene = _scene(job, tile, {t: "swapped_sites" if t in earlier else "sites" for t in range(job.n_tiles)})
+        emphasis = EMPHASES[job.settings["emphasis"]]
+        swapped = swap_points(
+            scene.tree,
+            scene.surface.normals,
+            scene.sites,
+            n_rounds=int(job.settings["n_rounds"]),
+            emphasis=emphasis,
+            band=_band(job, tile, scene),
+            limit=emphasis.hole_limit * float(budgets["radius"]),
+            movable=scene.own,
+        )
+        kept = np.sort(scene.tree.order[swapped[scene.own[swapped]]].astype(np.intp))
+    job.save_array("swapped_sites", tile, kept)
+    _save_densities(job, tile, "swapped", kept)
+
+
+def _band(job: Job, tile: int, scene: _Scene) -> DensityBand:
+    """The band of every part of a cluster about the mean cost that it should have."""
+    means = np.append(job.load("budgets")["means"][tile], 1.0)
+    costs = _about(scene.density, means, np.ones(len(means))).costs
+    return DensityBand(scene.density.labels, costs, _BAND * float(job.settings["density_tolerance"]))
+
+
+def _save_densities(job: Job, tile: int, name: str, kept: Indices) -> None:
+    labels, costs = tile_costs(job, tile)
+    n_clusters = len(job.load("clusters")["counts"])
+    job.save(
+        name,
+        tile,
+        counts=np.bincount(labels[kept], minlength=n_clusters),
+        costs=np.bincount(labels[kept], costs[kept], n_clusters),
+    )
+
+
+def _find_deviations(job: Job, name: str, result: str) -> None:
+    """Mean cost of the kept points of every cluster of the whole cloud, less one."""
+    sums = {key: v.sum(axis=0) for key, v in job.gather(name, range(job.n_tiles)).items()}
+    means = np.divide(sums["costs"], sums["counts"], out=np.ones(len(sums["costs"])), where=sums["counts"] > 0)
+    job.save(result, deviations=means - 1.0)
+
+
+def choose(job: Job, tile: int) -> None:
+    """The program of every part of a cluster: one point per cell, the density kept."""
+    kept = np.asarray(job.map_array("swapped_sites", tile))
+    if len(kept):
+        scene = _scene(job, tile, dict.fromkeys(range(job.n_tiles), "swapped_sites"))
+        chosen = _solve(job, tile, scene, kept)
+        kept = np.sort(scene.tree.order[chosen].astype(np.intp))
+    job.save_array("kept", tile, np.asarray(job.map_array("rows", tile))[kept])
+    _save_densities(job, tile, "chosen", kept)
+
+
+def _solve(job: Job, tile: int, scene: _Scene, kept: Indices) -> Indices:
+    tolerance = float(job.settings["density_tolerance"])
+    deviations = job.load("deviations")["deviations"]
+    inside = np.clip(deviations, -_AIM * tolerance, _AIM * tolerance)
+    labels, costs = tile_costs(job, tile)
+    counts = np.bincount(labels[kept], minlength=len(deviations))
+    means = np.bincount(labels[kept], costs[kept], len(deviations)) / np.maximum(counts, 1)
+    targets = np.append(np.where(counts > 0, np.maximum(means - deviations + inside, 1e-3), 1.0), 1.0)
+    narrow = np.append(1.0 - np.abs(inside) / tolerance, 1.0) if tolerance else np.ones(len(targets))
+    scaled = _about(scene.density, targets, narrow)
+    return solve_programmes(
+        scene.tree.sorted_points,
+        scene.surface,
+        scene.rims,
+        scaled,
+        scene.sites,
+        tolerance=tolerance,
+        stop=Stop(float(job.settings["gap"]), float(job.settings["time_limit"])),
+        movable=scene.own,
+    )[0]
+
+
+def _about(density: ClusterDensity, targets: Vector, widths: Vector) -> ClusterDensity:
+    """Costs about the targets of the clusters, so that one tolerance stands for ``widths`` of it."""
+    labels = density.labels
+    return ClusterDensity(labels, 1.0 + (density.costs / targets[labels] - 1.0) / widths[labels], targets)
+
+
+def _colors(job: Job) -> NDArray[np.intp]:
+    """A color for every tile, different from those whose kept points it sees: greedy, in order of tiles."""
+    touching = adjacent(job, 2 * _halo(job) * float(job.load("whole")["scale"]))
+    colors = np.full(job.n_tiles, -1)
+    for tile in range(job.n_tiles):
+        taken = set(colors[touching[tile]].tolist())
+        colors[tile] = next(color for color in range(job.n_tiles) if color not in taken)
+    return colors
+
+
+def _earlier(job: Job) -> dict[int, list[int]]:
+    """The tiles around each tile whose swaps come before its own."""
+    touching = adjacent(job, 2 * _halo(job) * float(job.load("whole")["scale"]))
+    colors = _colors(job)
+    return {
+        tile: np.flatnonzero(touching[tile] & (colors < colors[tile])).tolist() for tile in range(job.n_tiles)
+    }
