@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from lpcompare.benchmark.record import Run, load_run
     from lpcompare.benchmark.runner import run
     from lpcompare.io.formats import read, write
+    from lpcompare.large.simplify_files import simplify_files
     from lpcompare.listing import methods, metrics, models
     from lpcompare.metrics.comparison import evaluate
     from lpcompare.paper.simplifier import LPSimplifier
@@ -48,6 +49,7 @@ _HOMES = {
     "read": "io.formats",
     "run": "benchmark.runner",
     "simplify": "simplify",
+    "simplify_files": "large.simplify_files",
     "write": "io.formats",
 }
 
@@ -66,6 +68,7 @@ __all__ = [
     "read",
     "run",
     "simplify",
+    "simplify_files",
     "write",
 ]
 

@@ -50,6 +50,7 @@ class File:
 
     @property
     def count(self) -> int:
+        """Points of the file."""
         return self.shape[0] * self.shape[1]
 
 

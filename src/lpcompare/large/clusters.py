@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -11,7 +10,7 @@ from numpy.typing import NDArray
 from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.geometry.surface import Surface, estimate_surface
 from lpcompare.large.job import Job
-from lpcompare.large.tiles import Around, Stage, around, spilling, take, tile_tasks
+from lpcompare.large.tiles import Around, Run, around, normalized, spilling, take, tile_tasks
 from lpcompare.paper.cluster_count import AUTO, check_n_clusters, choose_n_clusters
 from lpcompare.paper.clustering import Mixture, assign, cluster_points
 from lpcompare.paper.curvature import Curvature
@@ -25,15 +24,15 @@ _NEAREST = 1e-3
 _NO_POINTS: Points = np.empty((0, 3))
 
 
-def stages(job: Job) -> Iterator[Stage]:
+def stages(job: Job, run: Run) -> None:
     """Surface and cluster of every point; centroids, densities and curvature of every cluster."""
-    yield from spilling(job)
+    spilling(job, run)
     if not job.path("mixture").exists():
         _fit(job)
-    yield "curvature", tile_tasks(job, measure, "measured")
+    run("curvature", tile_tasks(job, measure, "measured"))
     if not job.path("clusters").exists():
         _find_centroids(job)
-    yield "densities", tile_tasks(job, sum_inverse_distances, "inverse")
+    run("densities", tile_tasks(job, sum_inverse_distances, "inverse"))
     if not job.path("densities").exists():
         sums = job.gather("inverse", range(job.n_tiles))["sums"].sum(axis=0)
         counts = job.load("clusters")["counts"]
@@ -44,17 +43,11 @@ def stages(job: Job) -> Iterator[Stage]:
 def _fit(job: Job) -> None:
     """The mixture (eqs. 1-5) of the sample."""
     rng = np.random.default_rng(job.seed)
-    sample = normalized(job, job.load("whole")["sample"])
+    sample = normalized(job, job.load("sample")["points"])
     wanted = check_n_clusters(job.settings["n_clusters"])
     n_clusters = choose_n_clusters(sample, rng).n_clusters if wanted == AUTO else int(wanted)
     mixture = cluster_points(sample, n_clusters, rng)
     job.save("mixture", weights=mixture.weights, means=mixture.means, covariances=mixture.covariances)
-
-
-def normalized(job: Job, points: Points) -> Points:
-    """Coordinates about the centre of the sample, in units of its mean radius."""
-    whole = job.load("whole")
-    return (np.asarray(points) - whole["center"]) / whole["scale"]
 
 
 def surroundings(job: Job, tile: int, reach: float) -> tuple[Points, Around]:
@@ -134,7 +127,9 @@ class TileClusters(NamedTuple):
 def tile_costs(job: Job, tile: int) -> TileClusters:
     """Eqs. 12 and 13 for the points of a tile, with the centroids and densities of the whole cloud."""
     labels = np.asarray(job.map_array("labels", tile), dtype=np.intp)
-    return TileClusters(labels, _inverse_distances(job, tile, labels) / job.load("densities")["means"][labels])
+    return TileClusters(
+        labels, _inverse_distances(job, tile, labels) / job.load("densities")["means"][labels]
+    )
 
 
 def sum_inverse_distances(job: Job, tile: int) -> None:

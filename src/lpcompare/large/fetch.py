@@ -36,10 +36,7 @@ def is_url(word: str) -> bool:
 def _files(word: str, folder: Path) -> list[Path]:
     if is_url(word):
         return [_fetched(word, folder)]
-    if Path(word).exists() or not glob.has_magic(word):
-        found = [word]
-    else:
-        found = sorted(glob.glob(word))
+    found = [word] if Path(word).exists() or not glob.has_magic(word) else sorted(glob.glob(word))
     for path in found:
         if not Path(path).is_file():
             raise InputError(f"{path} is no file; name files that exist.")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -86,8 +86,13 @@ class Job:
         save_arrays(self.path(name, number), {key: np.asarray(value) for key, value in arrays.items()})
 
     def load(self, name: str, number: int | None = None) -> Arrays:
-        """Read what `save` wrote."""
-        return load_arrays(self.path(name, number))
+        """Read what `save` wrote; what is of the whole cloud stays in memory for the next task."""
+        path = self.path(name, number)
+        return (
+            load_arrays(path)
+            if number is not None or not path.exists()
+            else _of_the_whole(path, _state(path))
+        )
 
     def save_array(self, name: str, number: int, array: NDArray[Any]) -> None:
         """Write one array that `map_array` reads in parts."""
@@ -103,3 +108,13 @@ class Job:
         """The results of several blocks or tiles, each array with a first axis for them."""
         parts = [self.load(name, number) for number in numbers]
         return {key: np.stack([part[key] for part in parts]) for key in parts[0]} if parts else {}
+
+
+def _state(path: Path) -> tuple[int, int]:
+    state = path.stat()
+    return state.st_mtime_ns, state.st_ino
+
+
+@lru_cache(maxsize=32)
+def _of_the_whole(path: Path, _: tuple[int, int]) -> Arrays:
+    return load_arrays(path)

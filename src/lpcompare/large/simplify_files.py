@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from lpcompare.checks import check_integer, check_target
-from lpcompare.errors import InputError, LpcompareError
+from lpcompare.errors import InputError
 from lpcompare.files import replace_text
 from lpcompare.io import check_target as check_output
 from lpcompare.io import same_format
@@ -22,7 +22,7 @@ from lpcompare.large.fetch import local_files
 from lpcompare.large.job import Job
 from lpcompare.large.output import write_kept
 from lpcompare.large.streams import count_points
-from lpcompare.large.tasks import Executor
+from lpcompare.large.tasks import Executor, Task
 from lpcompare.large.tiles import reading
 from lpcompare.progress import Callback, StageClock
 from lpcompare.registry import METHODS
@@ -162,10 +162,14 @@ def simplify_files(
 def _run(job: Job, output: Path, executor: Executor) -> FilesResult:
     clock = StageClock(None)
     module = import_module(f"lpcompare.large.{TILED[job.method]}")
-    for stages in (reading(job), module.stages(job)):
-        for name, tasks in stages:
-            clock.stage(name)
-            executor.run(name, job, tasks)
+
+    def run(stage: str, tasks: list[Task]) -> None:
+        if stage not in executor.n_run:
+            clock.stage(stage)
+        executor.run(stage, job, tasks)
+
+    reading(job, run)
+    module.stages(job, run)
     clock.stage("writing")
     n_kept, outputs, notes = write_kept(job, output, executor.callback)
     info = module.summary(job) if hasattr(module, "summary") else {}
@@ -209,7 +213,11 @@ def _check_output(files: list[Path], output: Path) -> None:
 def _spill_folder(output: Path, spill: str | Path | None) -> Path:
     if spill is not None:
         return Path(spill).absolute()
-    return output.absolute() / ".spill" if output.is_dir() else output.absolute().with_name(f".{output.name}.spill")
+    return (
+        output.absolute() / ".spill"
+        if output.is_dir()
+        else output.absolute().with_name(f".{output.name}.spill")
+    )
 
 
 @contextmanager
@@ -220,19 +228,23 @@ def _spilling(folder: Path, *, resume: bool) -> Iterator[None]:
             raise InputError(f"{folder} is not empty and no spill folder; name another one with --spill.")
         shutil.rmtree(folder)
     folder.mkdir(parents=True, exist_ok=True)
+    begun = folder / "job.json"
     try:
         yield
     except KeyboardInterrupt as error:
-        error.add_note(f"The finished tiles are in {folder}; continue with --resume.")
-        raise
-    except LpcompareError as error:
-        if not (folder / "job.json").exists():
-            shutil.rmtree(folder)
-        raise type(error)(f"{error} The finished tiles are in {folder}; continue with --resume.") if (
-            folder / "job.json"
-        ).exists() and type(error) is InputError else error
-    else:
+        raise KeyboardInterrupt(_continue(folder) if begun.exists() else "") from error
+    except OSError as error:
+        raise InputError(f"{error.strerror or error}. {_continue(folder)}") from error
+    except InputError as error:
+        if begun.exists():
+            raise InputError(f"{error} {_continue(folder)}") from error
         shutil.rmtree(folder)
+        raise
+    shutil.rmtree(folder)
+
+
+def _continue(folder: Path) -> str:
+    return f"The finished tiles are in {folder}; continue with --resume."
 
 
 def _claim(job: Job, *, resume: bool) -> None:
@@ -263,5 +275,3 @@ def _cluster(client: Any, workers: int) -> Iterator[Any]:
 
     with local_client(check_integer("workers", workers, 1)) as some:
         yield some
-
-

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from lpcompare.geometry.scale import bounding_box_diagonal
-from lpcompare.large.clusters import normalized
 from lpcompare.large.job import Job
+from lpcompare.large.tiles import normalized
 from lpcompare.types import Points, Vector
 from lpcompare.uniform.disks import count_disks, disk_radius
 
@@ -16,7 +16,7 @@ _STEPS = np.array([0.6, 0.75, 0.9, 1.0, 1.1, 1.25, 1.5])
 
 def trial_radii(job: Job) -> Vector:
     """Radii about that which the sample foresees, in normalised units, shape (7,)."""
-    sample = normalized(job, job.load("whole")["sample"])
+    sample = normalized(job, job.load("sample")["points"])
     few = max(1, min(job.target_count, len(sample) // _PER_DISK))
     fewer = max(1, few // 4)
     radius, wider = disk_radius(sample, few), disk_radius(sample, fewer)

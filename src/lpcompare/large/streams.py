@@ -66,7 +66,11 @@ def read_rows(path: Path, start: int, stop: int) -> tuple[Points, Any]:
 @contextmanager
 def writer(path: Path, source: Path, count: int) -> Iterator[Append]:
     """What appends records to a file of the format of ``source``, which appears when it is complete."""
-    with whole_file(path, CONTINUE) as part, _sentences(path), stream(path).writer(part, source, count) as append:
+    with (
+        whole_file(path, CONTINUE) as part,
+        _sentences(path),
+        stream(path).writer(part, source, count) as append,
+    ):
         yield append
 
 

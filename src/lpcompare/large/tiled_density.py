@@ -7,15 +7,13 @@ for less than any selection has, as `lp_printed` does, the budgets of the parts 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 from numpy.typing import NDArray
 
 from lpcompare.large import clusters
 from lpcompare.large.clusters import tile_costs
 from lpcompare.large.job import Job
-from lpcompare.large.tiles import Stage, tile_tasks
+from lpcompare.large.tiles import Run, tile_tasks
 from lpcompare.paper.budget import allocate_budget, split_budget
 from lpcompare.paper.certificate import DensityGoal
 from lpcompare.paper.program import Programme, SolverSettings, select
@@ -27,13 +25,13 @@ _HIGHEST = 10.0
 """Logarithms of costs are counted between minus and plus this."""
 
 
-def stages(job: Job) -> Iterator[Stage]:
+def stages(job: Job, run: Run) -> None:
     """Count features and costs, share the budgets, solve."""
-    yield from clusters.stages(job)
-    yield "features", tile_tasks(job, count_features, "features")
+    clusters.stages(job, run)
+    run("features", tile_tasks(job, count_features, "features"))
     if not job.path("budgets").exists():
         share_budgets(job)
-    yield "selection", tile_tasks(job, choose, "chosen")
+    run("selection", tile_tasks(job, choose, "chosen"))
 
 
 def count_features(job: Job, tile: int) -> None:
@@ -78,7 +76,9 @@ def share_budgets(job: Job) -> None:
     for c in range(len(sizes)):
         kept[:, c] = allocate_budget(int(marked[c]), counts["features"][:, c])
         left = counts["points"][:, c] - kept[:, c]
-        wanted = _cheapest(job, counts["histogram"][:, c], int(chosen[c])) if job.method == "lp_printed" else left
+        wanted = (
+            _cheapest(job, counts["histogram"][:, c], int(chosen[c])) if job.method == "lp_printed" else left
+        )
         programs[:, c] = _capped(int(chosen[c]), wanted, left)
     job.save("budgets", features=kept, programs=programs)
 
@@ -148,7 +148,10 @@ def _shifts(job: Job) -> NDArray[np.float64]:
     """By how much the parts' own means miss that of the candidates of the whole cluster, per point chosen."""
     counts, budgets = job.gather("features", range(job.n_tiles)), job.load("budgets")
     mean_features = np.divide(
-        counts["feature_costs"], counts["features"], out=np.zeros(counts["costs"].shape), where=counts["features"] > 0
+        counts["feature_costs"],
+        counts["features"],
+        out=np.zeros(counts["costs"].shape),
+        where=counts["features"] > 0,
     )
     left = counts["points"] - budgets["features"]
     costs = counts["costs"] - budgets["features"] * mean_features

@@ -12,20 +12,28 @@ Small parts miss it in the swaps; the programs then aim at what brings the whole
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.geometry.surface import Surface
 from lpcompare.large import clusters
 from lpcompare.large.clusters import surface_of, surroundings, tile_costs
+from lpcompare.large.colors import coloring, earlier
 from lpcompare.large.job import Job
 from lpcompare.large.shares import largest_remainder
 from lpcompare.large.spacing import disk_counts, radius_of, trial_radii
-from lpcompare.large.tiles import Around, Stage, adjacent, distances_to_box, take, tile_tasks, uniform
+from lpcompare.large.tiles import (
+    Around,
+    Run,
+    adjacent,
+    distances_to_box,
+    normalized,
+    take,
+    tile_tasks,
+    uniform,
+)
 from lpcompare.types import Indices, Mask, Points, Vector
 from lpcompare.uniform.cells import blue_noise_centers, tilt_powers, weights_in
 from lpcompare.uniform.clusters import ClusterDensity, fill_up, solve_programmes
@@ -44,20 +52,20 @@ _HALO = 4.0
 _TILT_SAMPLE = 250_000
 
 
-def stages(job: Job) -> Iterator[Stage]:
+def stages(job: Job, run: Run) -> None:
     """Weights, budgets, cells, swaps by color, programs."""
-    yield from clusters.stages(job)
-    yield "weights", tile_tasks(job, sample_weights, "weight_sample")
+    clusters.stages(job, run)
+    run("weights", tile_tasks(job, sample_weights, "weight_sample"))
     if not job.path("tilts").exists():
         _find_tilts(job)
-    yield "budgets", tile_tasks(job, sum_weights, "weight_sums")
+    run("budgets", tile_tasks(job, sum_weights, "weight_sums"))
     if not job.path("budgets").exists():
         _share_budgets(job)
-    yield "cells", tile_tasks(job, spread, "cells")
-    yield "swaps", tile_tasks(job, swap, "swapped", _earlier(job))
+    run("cells", tile_tasks(job, spread, "cells"))
+    run("swaps", tile_tasks(job, swap, "swapped", earlier(_touching(job))))
     if not job.path("deviations").exists():
         _find_deviations(job, "swapped", "deviations")
-    yield "selection", tile_tasks(job, choose, "chosen")
+    run("selection", tile_tasks(job, choose, "chosen"))
 
 
 def summary(job: Job) -> dict[str, Any]:
@@ -69,16 +77,14 @@ def summary(job: Job) -> dict[str, Any]:
         "residuals": np.abs(result["deviations"]),
         "hole_limit": float(job.load("budgets")["radius"] * EMPHASES[job.settings["emphasis"]].hole_limit)
         * float(job.load("whole")["scale"]),
-        "colors": int(max(_colors(job), default=0)) + 1,
+        "n_colors": int(coloring(_touching(job)).max()) + 1,
     }
 
 
 def _raw_weights(job: Job, tile: int) -> Vector:
     whole = job.load("clusters")
     surface, curvature = surface_of(job.map_array("surface", tile))
-    return weights_in(
-        surface.areas, curvature, float(whole["mean_curvature"]), float(whole["smallest_area"])
-    )
+    return weights_in(surface.areas, curvature, float(whole["mean_curvature"]), float(whole["smallest_area"]))
 
 
 def sample_weights(job: Job, tile: int) -> None:
@@ -105,7 +111,7 @@ def _find_tilts(job: Job) -> None:
     before = np.bincount(labels, weights, n_clusters)
     after = np.bincount(labels, weights * costs ** powers[labels], n_clusters)
     factors = np.divide(before, after, out=np.ones(n_clusters), where=after > 0)
-    job.save("tilts", powers=powers, factors=factors)
+    job.save("tilts", powers=powers, factors=factors, radii=trial_radii(job))
 
 
 class _Tile(NamedTuple):
@@ -127,14 +133,14 @@ def sum_weights(job: Job, tile: int) -> None:
     """Weights and weighted costs of the clusters of a tile, and disks that it would take."""
     labels, costs, weights = _weighted(job, tile)
     n_clusters = len(job.load("clusters")["counts"])
-    points = clusters.normalized(job, job.map_array("points", tile))
+    points = normalized(job, job.map_array("points", tile))
     job.save(
         "weight_sums",
         tile,
         weights=np.bincount(labels, weights, n_clusters),
         costs=np.bincount(labels, weights * costs, n_clusters),
         points=len(labels),
-        disks=disk_counts(points, trial_radii(job), job.target_count / job.n_points),
+        disks=disk_counts(points, job.load("tilts")["radii"], job.target_count / job.n_points),
     )
 
 
@@ -143,8 +149,10 @@ def _share_budgets(job: Job) -> None:
     sums = job.gather("weight_sums", range(job.n_tiles))
     weights = sums["weights"].sum(axis=1)
     budgets = largest_remainder(job.target_count, weights, sums["points"])
-    means = np.divide(sums["costs"], sums["weights"], out=np.ones_like(sums["costs"]), where=sums["weights"] > 0)
-    radius = radius_of(job.target_count, trial_radii(job), sums["disks"].sum(axis=0))
+    means = np.divide(
+        sums["costs"], sums["weights"], out=np.ones_like(sums["costs"]), where=sums["weights"] > 0
+    )
+    radius = radius_of(job.target_count, job.load("tilts")["radii"], sums["disks"].sum(axis=0))
     job.save("budgets", budgets=budgets, means=means, radius=radius)
 
 
@@ -230,7 +238,7 @@ def _scene(job: Job, tile: int, kept_of: dict[int, str]) -> _Scene:
     points, near = surroundings(job, tile, 2 * reach)
     n_own = len(job.map_array("points", tile))
     kept = np.zeros(len(points), dtype=bool)
-    kept[: n_own][np.asarray(job.map_array(kept_of[tile], tile))] = True
+    kept[:n_own][np.asarray(job.map_array(kept_of[tile], tile))] = True
     for other in np.unique(near.tiles):
         some = np.flatnonzero(near.tiles == other)
         kept[n_own + some] = np.isin(near.places[some], job.map_array(kept_of[other], other))
@@ -249,7 +257,13 @@ def _scene(job: Job, tile: int, kept_of: dict[int, str]) -> _Scene:
     every_cost = np.append(costs, np.ones(len(rows) - n_own))[tree.order]
     density = ClusterDensity(every_label, every_cost, np.ones(n_clusters + 1))
     return _Scene(
-        tree, _ordered(surface, tree.order), rims, tree.order < n_own, np.sort(places[kept]), places[:n_own], density
+        tree,
+        _ordered(surface, tree.order),
+        rims,
+        tree.order < n_own,
+        np.sort(places[kept]),
+        places[:n_own],
+        density,
     )
 
 
@@ -258,8 +272,10 @@ def swap(job: Job, tile: int) -> None:
     budgets = job.load("budgets")
     kept = np.asarray(job.map_array("sites", tile))
     if len(kept):
-        earlier = set(_earlier(job)[tile])
-        scene = _scene(job, tile, {t: "swapped_sites" if t in earlier else "sites" for t in range(job.n_tiles)})
+        before = set(earlier(_touching(job))[tile])
+        scene = _scene(
+            job, tile, {t: "swapped_sites" if t in before else "sites" for t in range(job.n_tiles)}
+        )
         emphasis = EMPHASES[job.settings["emphasis"]]
         swapped = swap_points(
             scene.tree,
@@ -297,7 +313,9 @@ def _save_densities(job: Job, tile: int, name: str, kept: Indices) -> None:
 def _find_deviations(job: Job, name: str, result: str) -> None:
     """Mean cost of the kept points of every cluster of the whole cloud, less one."""
     sums = {key: v.sum(axis=0) for key, v in job.gather(name, range(job.n_tiles)).items()}
-    means = np.divide(sums["costs"], sums["counts"], out=np.ones(len(sums["costs"])), where=sums["counts"] > 0)
+    means = np.divide(
+        sums["costs"], sums["counts"], out=np.ones(len(sums["costs"])), where=sums["counts"] > 0
+    )
     job.save(result, deviations=means - 1.0)
 
 
@@ -320,7 +338,7 @@ def _solve(job: Job, tile: int, scene: _Scene, kept: Indices) -> Indices:
     counts = np.bincount(labels[kept], minlength=len(deviations))
     means = np.bincount(labels[kept], costs[kept], len(deviations)) / np.maximum(counts, 1)
     targets = np.append(np.where(counts > 0, np.maximum(means - deviations + inside, 1e-3), 1.0), 1.0)
-    narrow = np.append(1.0 - np.abs(inside) / tolerance, 1.0) if tolerance else np.ones(len(targets))
+    narrow = np.append(_BAND - np.abs(inside) / tolerance, 1.0) if tolerance else np.ones(len(targets))
     scaled = _about(scene.density, targets, narrow)
     return solve_programmes(
         scene.tree.sorted_points,
@@ -340,20 +358,6 @@ def _about(density: ClusterDensity, targets: Vector, widths: Vector) -> ClusterD
     return ClusterDensity(labels, 1.0 + (density.costs / targets[labels] - 1.0) / widths[labels], targets)
 
 
-def _colors(job: Job) -> NDArray[np.intp]:
-    """A color for every tile, different from those whose kept points it sees: greedy, in order of tiles."""
-    touching = adjacent(job, 2 * _halo(job) * float(job.load("whole")["scale"]))
-    colors = np.full(job.n_tiles, -1)
-    for tile in range(job.n_tiles):
-        taken = set(colors[touching[tile]].tolist())
-        colors[tile] = next(color for color in range(job.n_tiles) if color not in taken)
-    return colors
-
-
-def _earlier(job: Job) -> dict[int, list[int]]:
-    """The tiles around each tile whose swaps come before its own."""
-    touching = adjacent(job, 2 * _halo(job) * float(job.load("whole")["scale"]))
-    colors = _colors(job)
-    return {
-        tile: np.flatnonzero(touching[tile] & (colors < colors[tile])).tolist() for tile in range(job.n_tiles)
-    }
+def _touching(job: Job) -> Mask:
+    """Which tiles see each other's kept points."""
+    return adjacent(job, 2 * _halo(job) * float(job.load("whole")["scale"]))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -19,7 +19,8 @@ from lpcompare.types import Indices, Mask, Points, Vector
 SAMPLE = 250_000
 """Points of the sample, about; the tiles and the mixture come from it."""
 
-Stage = tuple[str, list[Task]]
+Run = Callable[[str, list[Task]], None]
+"""Runs the tasks of a stage, which has a name."""
 _MIX = (np.uint64(0xBF58476D1CE4E5B9), np.uint64(0x94D049BB133111EB), np.uint64(0x9E3779B97F4A7C15))
 
 
@@ -53,6 +54,7 @@ def whole(job: Job) -> None:
         )
     sample = np.concatenate([part["sample"] for part in parts])
     _, center, scale = normalize(sample)
+    job.save("sample", points=sample)
     job.save(
         "whole",
         count=n_points,
@@ -60,7 +62,6 @@ def whole(job: Job) -> None:
         high=np.max([part["high"] for part in parts], axis=0),
         center=center,
         scale=scale,
-        sample=sample,
         cuts=cut(sample, job.n_tiles),
     )
 
@@ -133,36 +134,52 @@ def collect(job: Job, number: int) -> None:
     every = np.concatenate(points)
     job.save_array("points", number, every)
     job.save_array("rows", number, np.concatenate(rows))
-    edges = (every.min(axis=0), every.max(axis=0)) if len(every) else (np.full(3, np.inf), np.full(3, -np.inf))
+    edges = (
+        (every.min(axis=0), every.max(axis=0)) if len(every) else (np.full(3, np.inf), np.full(3, -np.inf))
+    )
     job.save("box", number, count=len(every), low=edges[0], high=edges[1])
 
 
 def tile_tasks(
-    job: Job, function: Callable[[Job, int], None], name: str, before: Mapping[int, Sequence[int]] | None = None
+    job: Job,
+    function: Callable[[Job, int], None],
+    name: str,
+    before: Mapping[int, Sequence[int]] | None = None,
 ) -> list[Task]:
     """One task for every tile, which leaves the result ``name``, after the tiles ``before`` each."""
     return [
-        Task(function, tile, job.path(name, tile), tuple(job.path(name, t) for t in (before or {}).get(tile, ())))
+        Task(
+            function,
+            tile,
+            job.path(name, tile),
+            tuple(job.path(name, t) for t in (before or {}).get(tile, ())),
+        )
         for tile in range(job.n_tiles)
     ]
 
 
-def reading(job: Job) -> Iterator[Stage]:
+def reading(job: Job, run: Run) -> None:
     """The stage after which the sample and the cut are known."""
-    yield "reading", [Task(survey, b.number, job.path("survey", b.number)) for b in job.blocks]
+    run("reading", [Task(survey, b.number, job.path("survey", b.number)) for b in job.blocks])
     if not job.path("whole").exists():
         whole(job)
 
 
-def spilling(job: Job) -> Iterator[Stage]:
+def spilling(job: Job, run: Run) -> None:
     """The stages after which every tile is on disk."""
     if not job.path("boxes").exists():
-        yield "spilling", [Task(spill, b.number, job.path("block_starts", b.number)) for b in job.blocks]
-        yield "sorting", tile_tasks(job, collect, "box")
+        run("spilling", [Task(spill, b.number, job.path("block_starts", b.number)) for b in job.blocks])
+        run("sorting", tile_tasks(job, collect, "box"))
         job.save("boxes", **job.gather("box", range(job.n_tiles)))
     for block in job.blocks:
         job.path("block_points", block.number, ".npy").unlink(missing_ok=True)
         job.path("block_rows", block.number, ".npy").unlink(missing_ok=True)
+
+
+def normalized(job: Job, points: Points) -> Points:
+    """Coordinates about the centre of the sample, in units of its mean radius."""
+    whole = job.load("whole")
+    return (np.asarray(points) - whole["center"]) / whole["scale"]
 
 
 class Around(NamedTuple):

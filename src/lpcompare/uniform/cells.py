@@ -44,7 +44,9 @@ def sampling_weights(areas: Vector, curvature: Vector) -> Vector:
     ndarray, shape (n,)
         Positive.
     """
-    weights = weights_in(areas, curvature, float(curvature.mean()), float(areas[areas > 0].min(initial=np.inf)))
+    weights = weights_in(
+        areas, curvature, float(curvature.mean()), float(areas[areas > 0].min(initial=np.inf))
+    )
     return weights / weights.mean()
 
 

@@ -1,0 +1,117 @@
+"""The path of ``lpcompare simplify`` for clouds larger than memory."""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Callable
+from contextlib import nullcontext
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import typer
+
+Callback = Callable[[str, int, int], None]
+_INTERRUPTED = 130
+_UNITS = {"": 0, "K": 10, "M": 20, "G": 30, "T": 40}
+
+
+@dataclass(frozen=True)
+class Large:
+    """The options of this path, as they were given."""
+
+    tiles: int | None
+    memory: str | None
+    spill: Path | None
+    resume: bool
+    workers: int
+    scheduler: str | None
+
+    def wanted(self, inputs: list[str]) -> bool:
+        """Whether an option or a URL asks for this path."""
+        from lpcompare.large.fetch import is_url
+
+        options = (self.tiles is not None, self.resume, self.workers, self.scheduler, self.spill is not None)
+        return any(options) or any(map(is_url, inputs))
+
+    @property
+    def memory_bytes(self) -> int:
+        """What all processes may use together."""
+        from lpcompare.large.estimate import free_memory
+
+        return free_memory() // 2 if self.memory is None else parse_size(self.memory)
+
+    def needed(self, path: Path, method: str) -> bool:
+        """Whether a file would not fit into memory, and can be read in parts."""
+        from lpcompare.errors import InputError
+        from lpcompare.large.estimate import in_memory_bytes
+        from lpcompare.large.streams import STREAMS, count_points
+        from lpcompare.registry import METHODS
+
+        if path.suffix.lower() not in STREAMS or not path.is_file() or not METHODS.traits(method).in_tiles:
+            return False
+        try:
+            return in_memory_bytes(method, count_points(path)) > self.memory_bytes
+        except InputError:  # the reader of whole files says better what is wrong with it
+            return False
+
+
+def parse_size(text: str) -> int:
+    """Bytes of a size such as 4GiB, 512MiB or 2G; raises `InputError`."""
+    from lpcompare.errors import InputError
+
+    found = re.fullmatch(r"([0-9]+(?:[.][0-9]+)?) ?([KMGT]?)(?:i?B)?", text.strip(), re.IGNORECASE)
+    if found is None:
+        raise InputError(f"--memory is {text!r}; give a size such as 4GiB or 512MiB.")
+    return int(float(found[1]) * 2 ** _UNITS[found[2].upper()])
+
+
+def simplify_large(
+    inputs: list[str],
+    out: str,
+    large: Large,
+    *,
+    how_far: dict[str, Any],
+    method: str,
+    settings: dict[str, Any],
+    seed: int,
+    callback: Callback,
+) -> str:
+    """Thin all inputs together; returns the report."""
+    from lpcompare.errors import InputError
+    from lpcompare.large.cluster import remote_client
+    from lpcompare.large.simplify_files import simplify_files
+
+    if set(how_far) - {"statistic"} - {"target_reduction", "target_count"}:
+        raise InputError(
+            "--max-error and --tolerance need the whole cloud; give --reduction or --count for tiles."
+        )
+    begin = perf_counter()
+    with remote_client(large.scheduler) if large.scheduler else nullcontext() as client:
+        try:
+            result = simplify_files(
+                inputs,
+                out,
+                **{name: value for name, value in how_far.items() if name != "statistic"},
+                method=method,
+                n_tiles=large.tiles,
+                memory=large.memory_bytes,
+                spill=large.spill,
+                resume=large.resume,
+                random_state=seed,
+                callback=callback,
+                client=client,
+                workers=large.workers,
+                **settings,
+            )
+        except KeyboardInterrupt as error:
+            sys.stderr.write(f"lpcompare: Interrupted. {error}\n")
+            raise typer.Exit(_INTERRUPTED) from None
+    names = f"{len(inputs)} inputs" if len(inputs) > 1 else Path(inputs[0]).name
+    line = (
+        f"{names}: {result.n_points:,} -> {result.n_kept:,} points by {method} in {result.n_tiles} tiles, "
+        f"spill {result.spill_mib:,.0f} MiB, {perf_counter() - begin:.2f} s in all"
+    )
+    return "; ".join([line, *result.notes])
