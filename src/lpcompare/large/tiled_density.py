@@ -7,6 +7,8 @@ for less than any selection has, as `lp_printed` does, the budgets of the parts 
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -32,6 +34,24 @@ def stages(job: Job, run: Run) -> None:
     if not job.path("budgets").exists():
         share_budgets(job)
     run("selection", tile_tasks(job, choose, "chosen"))
+
+
+def summary(job: Job) -> dict[str, Any]:
+    """Z of eq. 14 of every cluster, as a share of its density, and how many programs are proven."""
+    counts, budgets = job.gather("features", range(job.n_tiles)), job.load("budgets")
+    chosen = {name: v.sum(axis=0) for name, v in job.gather("chosen", range(job.n_tiles)).items()}
+    left = (counts["points"] - budgets["features"]).sum(axis=0)
+    densities = (counts["costs"].sum(axis=0) - chosen["feature_costs"]) / np.maximum(left, 1)
+    some = chosen["counts"] > 0
+    k = left[some] / chosen["counts"][some] if job.method == "lp_printed" else 1.0
+    reduced = chosen["costs"][some] / chosen["counts"][some]
+    residuals = np.abs(k * reduced / densities[some] - 1)
+    return {
+        "largest_residual": float(residuals.max(initial=0.0)),
+        "residuals": residuals,
+        "n_certified": int(chosen["proven"]),
+        "n_programs": int(chosen["programs"]),
+    }
 
 
 def count_features(job: Job, tile: int) -> None:
@@ -124,7 +144,7 @@ def choose(job: Job, tile: int) -> None:
     results = select(programs, [generators[c] for c, *_ in tasks], settings) if tasks else []
     chosen = [rest[mask] for (_, rest, _), (mask, _) in zip(tasks, results, strict=True)]
     every = np.sort(np.concatenate([*kept, *chosen, np.empty(0, dtype=np.intp)]))
-    picked = np.concatenate([*chosen, np.empty(0, dtype=np.intp)])
+    picked, marked = (np.concatenate([*some, np.empty(0, dtype=np.intp)]) for some in (chosen, kept))
     n_clusters = len(job.load("clusters")["counts"])
     job.save_array("kept", tile, job.map_array("rows", tile)[every])
     job.save(
@@ -132,6 +152,7 @@ def choose(job: Job, tile: int) -> None:
         tile,
         counts=np.bincount(labels[picked], minlength=n_clusters),
         costs=np.bincount(labels[picked], costs[picked], n_clusters),
+        feature_costs=np.bincount(labels[marked], costs[marked], n_clusters),
         proven=sum(bool(certificate.proven) for _, certificate in results),
         programs=len(results),
     )

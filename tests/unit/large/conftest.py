@@ -13,7 +13,7 @@ def wavy(n, seed=0):
     rng = np.random.default_rng(seed)
     x, y = rng.random((2, n)) * [[20], [10]]
     z = np.sin(x) + np.abs(y - 5)
-    return np.round(np.column_stack([x, y, z]) + [500000, 4000000, 100], 3)
+    return np.round(np.column_stack([x + 500000, y + 4000000, z + 100]), 3)
 
 
 @pytest.fixture(scope="session")
