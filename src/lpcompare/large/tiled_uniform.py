@@ -6,7 +6,7 @@
    turns, so that the later one sees what the earlier one kept, and each seam is worked on from both sides.
 4. Each part of a cluster has a program, with the kept points around it as sites of other cells.
 
-Each part of a cluster keeps the mean cost that the weights foresee for it, so that the whole keeps its density.
+Each part of a cluster keeps the sum of costs that the weights foresee for it, so that the whole keeps its density.
 Small parts miss it in the swaps; the programs then aim at what brings the whole back into its band.
 """
 
@@ -152,8 +152,9 @@ def _share_budgets(job: Job) -> None:
     means = np.divide(
         sums["costs"], sums["weights"], out=np.ones_like(sums["costs"]), where=sums["weights"] > 0
     )
+    shares = np.divide(sums["weights"], weights[:, None], out=np.zeros_like(means), where=weights[:, None] > 0)
     radius = radius_of(job.target_count, job.load("tilts")["radii"], sums["disks"].sum(axis=0))
-    job.save("budgets", budgets=budgets, means=means, radius=radius)
+    job.save("budgets", budgets=budgets, means=means, counts=budgets[:, None] * shares, radius=radius)
 
 
 def _surface(job: Job, tile: int, near: Around) -> Surface:
@@ -293,10 +294,11 @@ def swap(job: Job, tile: int) -> None:
 
 
 def _band(job: Job, tile: int, scene: _Scene) -> DensityBand:
-    """The band of every part of a cluster about the mean cost that it should have."""
-    means = np.append(job.load("budgets")["means"][tile], 1.0)
-    costs = _about(scene.density, means, np.ones(len(means))).costs
-    return DensityBand(scene.density.labels, costs, _BAND * float(job.settings["density_tolerance"]))
+    """The band of every part of a cluster about the sum of costs that the weights foresee for it."""
+    budgets = job.load("budgets")
+    offsets = np.append(-budgets["counts"][tile] * (budgets["means"][tile] - 1.0), 0.0)
+    tolerance = _BAND * float(job.settings["density_tolerance"])
+    return DensityBand(scene.density.labels, scene.density.costs, tolerance, offsets)
 
 
 def _save_densities(job: Job, tile: int, name: str, kept: Indices) -> None:
