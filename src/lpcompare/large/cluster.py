@@ -36,11 +36,11 @@ def local_client(n_workers: int) -> Iterator[Any]:
 
 
 @contextmanager
-def remote_client(address: str) -> Iterator[Any]:
+def remote_client(address: str, timeout: str = "10s") -> Iterator[Any]:
     """A client of a running scheduler; raises `InputError` where it does not answer."""
     distributed = _distributed()
     try:
-        client = distributed.Client(address, timeout="10s")
+        client = distributed.Client(address, timeout=timeout)
     except (OSError, ValueError) as error:
         raise InputError(f"The scheduler {address} does not answer ({error}); check its address.") from error
     with client:

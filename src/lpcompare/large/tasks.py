@@ -8,7 +8,7 @@ from graphlib import TopologicalSorter
 from pathlib import Path
 from typing import Any
 
-from lpcompare.errors import LpcompareError
+from lpcompare.errors import InputError, LpcompareError
 from lpcompare.large.job import Job
 from lpcompare.progress import Callback
 
@@ -67,7 +67,7 @@ class Executor:
                 self.callback(stage, done, len(tasks))
 
     def _on_workers(self, job: Job, tasks: Sequence[Task]) -> Iterable[None]:
-        from distributed import as_completed
+        from distributed import CancelledError, KilledWorker, as_completed
 
         futures: dict[Path, Any] = {}
         for task in tasks:
@@ -79,6 +79,12 @@ class Executor:
                 if fault is not None:
                     raise fault
                 yield
+        except KilledWorker as error:
+            raise InputError(
+                "A task ended its workers again and again; give them more memory or more --tiles."
+            ) from error
+        except (CancelledError, OSError) as error:
+            raise InputError("The Dask scheduler is lost; start it again.") from error
         finally:
             self.client.cancel(list(futures.values()), force=True)
 

@@ -152,7 +152,9 @@ def _share_budgets(job: Job) -> None:
     means = np.divide(
         sums["costs"], sums["weights"], out=np.ones_like(sums["costs"]), where=sums["weights"] > 0
     )
-    shares = np.divide(sums["weights"], weights[:, None], out=np.zeros_like(means), where=weights[:, None] > 0)
+    shares = np.divide(
+        sums["weights"], weights[:, None], out=np.zeros_like(means), where=weights[:, None] > 0
+    )
     radius = radius_of(job.target_count, job.load("tilts")["radii"], sums["disks"].sum(axis=0))
     job.save("budgets", budgets=budgets, means=means, counts=budgets[:, None] * shares, radius=radius)
 
