@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from lpcompare.benchmark.record import Run, load_run
     from lpcompare.benchmark.runner import run
     from lpcompare.io.formats import read, write
+    from lpcompare.large.evaluate_files import evaluate_files
     from lpcompare.large.simplify_files import simplify_files
     from lpcompare.listing import methods, metrics, models
     from lpcompare.metrics.comparison import evaluate
@@ -42,6 +43,7 @@ _HOMES = {
     "Simplification": "types",
     "UniformSimplifier": "uniform.simplifier",
     "evaluate": "metrics.comparison",
+    "evaluate_files": "large.evaluate_files",
     "load_run": "benchmark.record",
     "methods": "listing",
     "metrics": "listing",
@@ -61,6 +63,7 @@ __all__ = [
     "UniformSimplifier",
     "__version__",
     "evaluate",
+    "evaluate_files",
     "load_run",
     "methods",
     "metrics",

@@ -14,6 +14,7 @@ import psutil
 import pytest
 from typer.testing import CliRunner
 
+import lpcompare
 from lpcompare.cli import build_app
 from lpcompare.cli._large import parse_size
 from lpcompare.errors import InputError
@@ -68,6 +69,26 @@ def test_a_url_is_fetched_once(scan, tmp_path):
     assert sum("GET /scan.npy HTTP" in str(words) for words in requests) == 1
     assert isinstance(missing.exception, InputError)
     assert "cannot be fetched" in str(missing.exception)
+
+
+def test_several_inputs_and_one_output_are_one_cloud(scan, tmp_path):
+    np.save(tmp_path / "more.npy", np.load(scan)[::5] + 20)
+    result = simplify(
+        scan, tmp_path / "more.npy", tmp_path / "thin.npy", "--count", 60, "--method", "random_sample"
+    )
+    assert "2 inputs: 6,000 -> 60 points" in result.output
+    assert len(np.load(tmp_path / "thin.npy")) == 60
+
+
+def test_evaluate_prints_the_figures_of_the_whole_clouds(scan, tmp_path):
+    np.save(tmp_path / "thin.npy", np.load(scan)[::10])
+    result = CliRunner().invoke(
+        build_app(), ["evaluate", str(scan), str(tmp_path / "thin.npy"), "--tiles", "4"]
+    )
+    values = dict(line.split() for line in result.output.splitlines())
+    known = lpcompare.evaluate(np.load(scan), np.load(tmp_path / "thin.npy"))
+    assert values["plane_error_pct"] == f"{known['plane_error_pct']:.6g}"
+    assert values["hausdorff_pct"] == f"{known['hausdorff_pct']:.6g}"
 
 
 @pytest.mark.parametrize(

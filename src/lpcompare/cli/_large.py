@@ -14,7 +14,7 @@ from typing import Any
 import typer
 
 Callback = Callable[[str, int, int], None]
-_INTERRUPTED = 130
+INTERRUPTED = 130
 _UNITS = {"": 0, "K": 10, "M": 20, "G": 30, "T": 40}
 
 
@@ -29,9 +29,13 @@ class Large:
     workers: int
     scheduler: str | None
 
-    def wanted(self, inputs: list[str]) -> bool:
-        """Whether an option or a URL asks for this path."""
+    def wanted(self, inputs: list[str], out: str) -> bool:
+        """Whether an option, a URL, or one file for several inputs asks for this path."""
         from lpcompare.large.fetch import is_url
+        from lpcompare.large.streams import STREAMS
+
+        if len(inputs) > 1 and Path(out).suffix.lower() in STREAMS and not Path(out).is_dir():
+            return True
 
         options = (self.tiles is not None, self.resume, self.workers, self.scheduler, self.spill is not None)
         return any(options) or any(map(is_url, inputs))
@@ -108,7 +112,7 @@ def simplify_large(
             )
         except KeyboardInterrupt as error:
             sys.stderr.write(f"lpcompare: Interrupted. {error}\n")
-            raise typer.Exit(_INTERRUPTED) from None
+            raise typer.Exit(INTERRUPTED) from None
     names = f"{len(inputs)} inputs" if len(inputs) > 1 else Path(inputs[0]).name
     line = (
         f"{names}: {result.n_points:,} -> {result.n_kept:,} points by {method} in {result.n_tiles} tiles, "

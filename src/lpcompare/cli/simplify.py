@@ -124,7 +124,7 @@ def command(
         evaluate=evaluate,
     )
     large = Large(tiles, memory, spill, resume, workers, scheduler)
-    together = large.wanted(paths[:-1])
+    together = large.wanted(paths[:-1], paths[-1])
     pairs = [] if together else _pairs(paths, force=force)
     failed = False
     with _stages(hidden=quiet) as callback:

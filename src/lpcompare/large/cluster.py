@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import logging
 import os
+import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -27,12 +29,19 @@ def local_client(n_workers: int) -> Iterator[Any]:
             n_workers=n_workers,
             threads_per_worker=1,
             memory_limit=0,
+            preload=__name__,
+            silence_logs=logging.ERROR,
             dashboard_address=os.environ.get("LPCOMPARE_DASHBOARD", "127.0.0.1:0"),
             env={"LPCOMPARE_THREADS": threads},
         ) as cluster,
         distributed.Client(cluster) as client,
     ):
         yield client
+
+
+def dask_setup(_: object) -> None:
+    """Leave Ctrl-C, which a terminal sends to every process, to the first one; Dask calls this in a worker."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 @contextmanager

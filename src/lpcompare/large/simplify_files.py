@@ -137,8 +137,8 @@ def simplify_files(
     """
     settings = _settings(method, settings)
     output, n_workers = Path(output), max(1, workers)
-    folder = _spill_folder(output, spill)
-    with _spilling(folder, resume=resume):
+    folder = spill_folder(output, spill)
+    with spilling_folder(folder, resume=resume):
         files = local_files(inputs, folder / "inputs")
         counts = [count_points(path) for path in files]
         count = check_target(sum(counts), target_reduction, target_count)
@@ -155,7 +155,7 @@ def simplify_files(
             seed=check_integer("random_state", random_state, 0),
         )
         _claim(job, resume=resume)
-        with _cluster(client, workers) as some:
+        with some_client(client, workers) as some:
             return _run(job, output, Executor(some, callback))
 
 
@@ -210,7 +210,8 @@ def _check_output(files: list[Path], output: Path) -> None:
         raise InputError(f"Two inputs have the same name and would share a file in {output}; rename one.")
 
 
-def _spill_folder(output: Path, spill: str | Path | None) -> Path:
+def spill_folder(output: Path, spill: str | Path | None) -> Path:
+    """Where the tiles go: the folder that is named, or a hidden one beside the output."""
     if spill is not None:
         return Path(spill).absolute()
     return (
@@ -221,7 +222,7 @@ def _spill_folder(output: Path, spill: str | Path | None) -> Path:
 
 
 @contextmanager
-def _spilling(folder: Path, *, resume: bool) -> Iterator[None]:
+def spilling_folder(folder: Path, *, resume: bool) -> Iterator[None]:
     """The folder, empty at the start unless it is resumed; after a failure it stays and is named."""
     if folder.exists() and not resume:
         if any(folder.iterdir()) and not (folder / "job.json").exists():
@@ -266,7 +267,7 @@ def _claim(job: Job, *, resume: bool) -> None:
 
 
 @contextmanager
-def _cluster(client: Any, workers: int) -> Iterator[Any]:
+def some_client(client: Any, workers: int) -> Iterator[Any]:
     """The client given, one of a new cluster on this machine, or None."""
     if client is not None or not workers:
         yield client

@@ -18,24 +18,20 @@ import numpy as np
 
 from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.geometry.surface import Surface
-from lpcompare.large import clusters
+from lpcompare.large import clusters, weights
 from lpcompare.large.clusters import surface_of, surroundings, tile_costs
 from lpcompare.large.colors import coloring, earlier
 from lpcompare.large.job import Job
-from lpcompare.large.shares import largest_remainder
-from lpcompare.large.spacing import disk_counts, radius_of, trial_radii
 from lpcompare.large.tiles import (
     Around,
     Run,
     adjacent,
     distances_to_box,
-    normalized,
     take,
     tile_tasks,
-    uniform,
 )
 from lpcompare.types import Indices, Mask, Points, Vector
-from lpcompare.uniform.cells import blue_noise_centers, tilt_powers, weights_in
+from lpcompare.uniform.cells import blue_noise_centers
 from lpcompare.uniform.clusters import ClusterDensity, fill_up, solve_programmes
 from lpcompare.uniform.densities import DensityBand
 from lpcompare.uniform.program import Stop
@@ -49,18 +45,12 @@ _AIM = 0.5
 """Share of the tolerance that the programs aim at where swaps left a density outside; parts may miss it."""
 _HALO = 4.0
 """Originals around a tile that swaps and programs look at, in radii of a Poisson disk sampling."""
-_TILT_SAMPLE = 250_000
 
 
 def stages(job: Job, run: Run) -> None:
     """Weights, budgets, cells, swaps by color, programs."""
     clusters.stages(job, run)
-    run("weights", tile_tasks(job, sample_weights, "weight_sample"))
-    if not job.path("tilts").exists():
-        _find_tilts(job)
-    run("budgets", tile_tasks(job, sum_weights, "weight_sums"))
-    if not job.path("budgets").exists():
-        _share_budgets(job)
+    weights.stages(job, run)
     run("cells", tile_tasks(job, spread, "cells"))
     run("swaps", tile_tasks(job, swap, "swapped", earlier(_touching(job))))
     if not job.path("deviations").exists():
@@ -79,84 +69,6 @@ def summary(job: Job) -> dict[str, Any]:
         * float(job.load("whole")["scale"]),
         "n_colors": int(coloring(_touching(job)).max()) + 1,
     }
-
-
-def _raw_weights(job: Job, tile: int) -> Vector:
-    whole = job.load("clusters")
-    surface, curvature = surface_of(job.map_array("surface", tile))
-    return weights_in(surface.areas, curvature, float(whole["mean_curvature"]), float(whole["smallest_area"]))
-
-
-def sample_weights(job: Job, tile: int) -> None:
-    """Weights and costs of a seeded sample of a tile."""
-    rows = np.asarray(job.map_array("rows", tile))
-    drawn = uniform(rows, job.seed + 2) < _TILT_SAMPLE / job.n_points
-    labels, costs = tile_costs(job, tile)
-    job.save(
-        "weight_sample",
-        tile,
-        weights=_raw_weights(job, tile)[drawn],
-        labels=labels[drawn],
-        costs=costs[drawn],
-        sums=np.bincount(labels, _raw_weights(job, tile), len(job.load("clusters")["counts"])),
-    )
-
-
-def _find_tilts(job: Job) -> None:
-    """The power of the cost that tilts the weights of each cluster to its density, from the sample."""
-    parts = [job.load("weight_sample", tile) for tile in range(job.n_tiles)]
-    weights, labels, costs = (np.concatenate([p[n] for p in parts]) for n in ("weights", "labels", "costs"))
-    n_clusters = len(job.load("clusters")["counts"])
-    powers = tilt_powers(weights, costs, labels, n_clusters)
-    before = np.bincount(labels, weights, n_clusters)
-    after = np.bincount(labels, weights * costs ** powers[labels], n_clusters)
-    factors = np.divide(before, after, out=np.ones(n_clusters), where=after > 0)
-    job.save("tilts", powers=powers, factors=factors, radii=trial_radii(job))
-
-
-class _Tile(NamedTuple):
-    """Clusters, costs and tilted weights of the points of a tile."""
-
-    labels: Indices
-    costs: Vector
-    weights: Vector
-
-
-def _weighted(job: Job, tile: int) -> _Tile:
-    labels, costs = tile_costs(job, tile)
-    tilts = job.load("tilts")
-    tilted = costs ** tilts["powers"][labels] * tilts["factors"][labels]
-    return _Tile(labels, costs, _raw_weights(job, tile) * tilted)
-
-
-def sum_weights(job: Job, tile: int) -> None:
-    """Weights and weighted costs of the clusters of a tile, and disks that it would take."""
-    labels, costs, weights = _weighted(job, tile)
-    n_clusters = len(job.load("clusters")["counts"])
-    points = normalized(job, job.map_array("points", tile))
-    job.save(
-        "weight_sums",
-        tile,
-        weights=np.bincount(labels, weights, n_clusters),
-        costs=np.bincount(labels, weights * costs, n_clusters),
-        points=len(labels),
-        disks=disk_counts(points, job.load("tilts")["radii"], job.target_count / job.n_points),
-    )
-
-
-def _share_budgets(job: Job) -> None:
-    """Points of every tile, what each part of a cluster should have, and the radius of the hole limit."""
-    sums = job.gather("weight_sums", range(job.n_tiles))
-    weights = sums["weights"].sum(axis=1)
-    budgets = largest_remainder(job.target_count, weights, sums["points"])
-    means = np.divide(
-        sums["costs"], sums["weights"], out=np.ones_like(sums["costs"]), where=sums["weights"] > 0
-    )
-    shares = np.divide(
-        sums["weights"], weights[:, None], out=np.zeros_like(means), where=weights[:, None] > 0
-    )
-    radius = radius_of(job.target_count, job.load("tilts")["radii"], sums["disks"].sum(axis=0))
-    job.save("budgets", budgets=budgets, means=means, counts=budgets[:, None] * shares, radius=radius)
 
 
 def _surface(job: Job, tile: int, near: Around) -> Surface:
@@ -183,7 +95,7 @@ def spread(job: Job, tile: int) -> None:
         rims = _rims_of(points, surface, n_own, n_keep)
         own = Neighbors(points[:n_own])
         surface = Surface(surface.normals[:n_own], surface.areas[:n_own], surface.curvatures[:n_own])
-        chosen = _cells(own, surface, rims, _weighted(job, tile).weights, n_keep)
+        chosen = _cells(own, surface, rims, weights.weighted(job, tile), n_keep)
     job.save_array("sites", tile, chosen)
     job.save("cells", tile, count=len(chosen))
 
@@ -211,10 +123,10 @@ def _places(tree: Neighbors) -> Indices:
     return places
 
 
-def _cells(tree: Neighbors, surface: Surface, rims: Rims, weights: Vector, n_keep: int) -> Indices:
+def _cells(tree: Neighbors, surface: Surface, rims: Rims, shares: Vector, n_keep: int) -> Indices:
     """The row of the best point of each blue-noise cell, ascending."""
     points, surface = tree.sorted_points, _ordered(surface, tree.order)
-    centers = blue_noise_centers(tree, weights[tree.order], n_keep)
+    centers = blue_noise_centers(tree, shares[tree.order], n_keep)
     quadrics = tangent_quadrics(points, surface, _in_tree(rims, tree), centers)
     chosen = cheapest_of_each(quadrics.costs(points, _SPREAD), quadrics.owners, n_keep)
     return np.sort(tree.order[fill_up(points, chosen[chosen >= 0], n_keep)].astype(np.intp))

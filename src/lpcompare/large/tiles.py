@@ -43,7 +43,7 @@ def uniform(rows: Indices, seed: int) -> Vector:
     return ((state ^ (state >> np.uint64(31))) >> np.uint64(11)).astype(np.float64) * 2.0**-53
 
 
-def whole(job: Job) -> None:
+def whole(job: Job, cuts: NDArray[np.float64] | None) -> None:
     """Count, box, centre, scale and sample of the whole cloud, and the cut into tiles, from the surveys."""
     parts = [job.load("survey", block.number) for block in job.blocks]
     n_points = sum(int(part["count"]) for part in parts)
@@ -62,7 +62,7 @@ def whole(job: Job) -> None:
         high=np.max([part["high"] for part in parts], axis=0),
         center=center,
         scale=scale,
-        cuts=cut(sample, job.n_tiles),
+        cuts=cut(sample, job.n_tiles) if cuts is None else cuts,
     )
 
 
@@ -158,11 +158,11 @@ def tile_tasks(
     ]
 
 
-def reading(job: Job, run: Run) -> None:
-    """The stage after which the sample and the cut are known."""
+def reading(job: Job, run: Run, cuts: NDArray[np.float64] | None = None) -> None:
+    """The stage after which the sample and the cut, unless it is given, are known."""
     run("reading", [Task(survey, b.number, job.path("survey", b.number)) for b in job.blocks])
     if not job.path("whole").exists():
-        whole(job)
+        whole(job, cuts)
 
 
 def spilling(job: Job, run: Run) -> None:
@@ -207,12 +207,20 @@ def adjacent(job: Job, reach: float) -> Mask:
 
 def around(job: Job, tile: int, reach: float) -> Around:
     """The points of other tiles that are within a reach, in model units, of a tile's box."""
-    box = {edge: job.load("boxes")[edge][tile] for edge in ("low", "high")}
+    boxes = job.load("boxes")
+    return within(job, boxes["low"][tile], boxes["high"][tile], reach, without=tile)
+
+
+def within(job: Job, low: Vector, high: Vector, reach: float, without: int = -1) -> Around:
+    """The points of all tiles, but one, that are within a reach of a box."""
+    boxes = job.load("boxes")
+    apart = np.linalg.norm(np.maximum(np.maximum(low - boxes["high"], boxes["low"] - high), 0.0), axis=1)
     tiles, places = [np.empty(0, dtype=np.intp)], [np.empty(0, dtype=np.intp)]
-    for other in np.flatnonzero(adjacent(job, reach)[tile]):
-        near = distances_to_box(job.map_array("points", other), box["low"], box["high"]) <= reach
-        places.append(np.flatnonzero(near))
-        tiles.append(np.full(len(places[-1]), other, dtype=np.intp))
+    for tile in np.flatnonzero((apart <= reach) & (boxes["count"] > 0)):
+        if tile != without:
+            near = distances_to_box(job.map_array("points", tile), low, high) <= reach
+            places.append(np.flatnonzero(near))
+            tiles.append(np.full(len(places[-1]), tile, dtype=np.intp))
     return Around(np.concatenate(tiles), np.concatenate(places))
 
 
