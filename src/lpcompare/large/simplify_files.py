@@ -12,6 +12,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from lpcompare.checks import check_integer, check_target
 from lpcompare.errors import InputError
 from lpcompare.files import replace_text
@@ -25,7 +27,8 @@ from lpcompare.large.streams import count_points
 from lpcompare.large.tasks import Executor, Task
 from lpcompare.large.tiles import reading
 from lpcompare.progress import Callback, StageClock
-from lpcompare.registry import METHODS
+from lpcompare.registry import METHODS, call
+from lpcompare.types import PointCloud
 
 TILED = {
     "lp_density": "tiled_density",
@@ -189,9 +192,10 @@ def _settings(method: str, settings: Mapping[str, Any]) -> dict[str, Any]:
         raise InputError(f"{method} {why}, so it does not work in tiles; choose one of {', '.join(TILED)}.")
     METHODS.check_settings(method, settings)
     every = METHODS.settings(method) | dict(settings)
-    for name, value in {"density": "mean", "clusterer": "em"}.items():
-        if every.get(name, value) != value:
-            raise InputError(f"{method}.{name} is {every[name]!r}; in tiles only {value!r} can be used.")
+    if every.get("density", "mean") != "mean":
+        raise InputError(f"{method}.density is {every['density']!r}; in tiles only 'mean' can be used.")
+    if hasattr(METHODS.module(method), "ESTIMATOR"):
+        call(method, PointCloud(np.eye(3)), 2, settings=settings)  # a few points show a setting out of range
     return {name: value for name, value in every.items() if name in settings or value is not None}
 
 

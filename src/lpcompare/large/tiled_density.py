@@ -18,7 +18,7 @@ from lpcompare.large.job import Job
 from lpcompare.large.tiles import Run, tile_tasks
 from lpcompare.paper.budget import allocate_budget, split_budget
 from lpcompare.paper.certificate import DensityGoal
-from lpcompare.paper.program import Programme, SolverSettings, select
+from lpcompare.paper.program import Program, SolverSettings, select
 from lpcompare.paper.start import one_per_stratum
 from lpcompare.types import Indices, Mask
 
@@ -158,11 +158,11 @@ def choose(job: Job, tile: int) -> None:
     )
 
 
-def _program(job: Job, costs: NDArray[np.float64], n_keep: int, shift: float) -> Programme:
+def _program(job: Job, costs: NDArray[np.float64], n_keep: int, shift: float) -> Program:
     mean = float(costs.mean())
     k = len(costs) / n_keep if job.method == "lp_printed" else 1.0
     wanted = mean / k + shift if job.method == "lp_density" else mean / k
-    return Programme(costs / mean, n_keep, DensityGoal(k * wanted / mean, k))
+    return Program(costs / mean, n_keep, DensityGoal(k * wanted / mean, k))
 
 
 def _shifts(job: Job) -> NDArray[np.float64]:

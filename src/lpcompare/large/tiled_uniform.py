@@ -32,7 +32,7 @@ from lpcompare.large.tiles import (
 )
 from lpcompare.types import Indices, Mask, Points, Vector
 from lpcompare.uniform.cells import blue_noise_centers
-from lpcompare.uniform.clusters import ClusterDensity, fill_up, solve_programmes
+from lpcompare.uniform.clusters import ClusterDensity, fill_up, solve_programs
 from lpcompare.uniform.densities import DensityBand
 from lpcompare.uniform.program import Stop
 from lpcompare.uniform.quadrics import cheapest_of_each, tangent_quadrics
@@ -256,7 +256,7 @@ def _solve(job: Job, tile: int, scene: _Scene, kept: Indices) -> Indices:
     targets = np.append(np.where(counts > 0, np.maximum(means - deviations + inside, 1e-3), 1.0), 1.0)
     narrow = np.append(_BAND - np.abs(inside) / tolerance, 1.0) if tolerance else np.ones(len(targets))
     scaled = _about(scene.density, targets, narrow)
-    return solve_programmes(
+    chosen, _, _ = solve_programs(
         scene.tree.sorted_points,
         scene.surface,
         scene.rims,
@@ -265,7 +265,8 @@ def _solve(job: Job, tile: int, scene: _Scene, kept: Indices) -> Indices:
         tolerance=tolerance,
         stop=Stop(float(job.settings["gap"]), float(job.settings["time_limit"])),
         movable=scene.own,
-    )[0]
+    )
+    return chosen[scene.own[scene.sites]]
 
 
 def _about(density: ClusterDensity, targets: Vector, widths: Vector) -> ClusterDensity:

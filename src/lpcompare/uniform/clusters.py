@@ -120,7 +120,7 @@ def solve_programs(
     Returns
     -------
     indices : ndarray of int, shape (m,)
-        The choice of each site.
+        The choice of each site; a site that is not movable itself.
     cells : ndarray of int, shape (n,)
         The site of each original.
     certificates : list of SpreadCertificate
@@ -151,7 +151,7 @@ def solve_programs(
     order = candidates[np.argsort(clusters, kind="stable")]
     groups = np.split(order, np.cumsum(np.bincount(clusters))[:-1])
     results = map_in_threads(solve, [rows for rows in groups if len(rows)], progress, cancelled)
-    indices = np.empty_like(sites)
+    indices = sites.copy()
     for rows, _ in results:
         indices[owners[rows]] = rows
     return indices, owners, [certificate for _, certificate in results]

@@ -147,6 +147,7 @@ def test_coinciding_points_are_no_trouble(tmp_path):
         ({"method": "farthest_point"}, "whole cloud at once"),
         ({"method": "quadric_collapse"}, "needs the mesh"),
         ({"density": "printed"}, "only 'mean' can be used"),
+        ({"n_neighbors": 0}, "n_neighbors is 0"),
         ({"target_count": 6001}, "from 1 to 6000"),
         ({"memory": 2**20, "n_tiles": None}, "give at least"),
     ],
