@@ -56,7 +56,8 @@ class FilesResult:
     timings : mapping of str to float
         Seconds per stage.
     info : mapping of str to Any
-        What the method says, such as the densities of the clusters.
+        What the method says, such as the densities of the clusters; ``cuts``, shape (n_tiles - 1, 4), is the
+        k-d tree of the tiles: axis, place, and two children, which are cuts or leaves as -1 - tile.
     notes : tuple of str
         What the output lacks.
     """
@@ -176,6 +177,7 @@ def _run(job: Job, output: Path, executor: Executor) -> FilesResult:
     clock.stage("writing")
     n_kept, outputs, notes = write_kept(job, output, executor.callback)
     info = module.summary(job) if hasattr(module, "summary") else {}
+    info["cuts"] = job.load("whole")["cuts"]
     n_points = int(job.load("whole")["count"])
     if n_points < job.n_points:
         notes = (f"{job.n_points - n_points:,} points without coordinates were left out", *notes)

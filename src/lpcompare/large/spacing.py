@@ -11,11 +11,11 @@ from lpcompare.types import Points, Vector
 from lpcompare.uniform.disks import count_disks, disk_radius
 
 _PER_DISK = 12
-_STEPS = np.array([0.6, 0.75, 0.9, 1.0, 1.1, 1.25, 1.5])
+_STEPS = np.array([0.7, 0.85, 1.0, 1.18, 1.4])
 
 
 def trial_radii(job: Job) -> Vector:
-    """Radii about that which the sample foresees, in normalised units, shape (7,)."""
+    """Radii about that which the sample foresees, in normalised units, shape (5,)."""
     sample = normalized(job, job.load("sample")["points"])
     few = max(1, min(job.target_count, len(sample) // _PER_DISK))
     fewer = max(1, few // 4)

@@ -65,8 +65,7 @@ def summary(job: Job) -> dict[str, Any]:
     return {
         "largest_residual": float(np.abs(result["deviations"]).max()),
         "residuals": np.abs(result["deviations"]),
-        "hole_limit": float(job.load("budgets")["radius"] * EMPHASES[job.settings["emphasis"]].hole_limit)
-        * float(job.load("whole")["scale"]),
+        "disk_radius": float(job.load("budgets")["radius"]) * float(job.load("whole")["scale"]),
         "n_colors": int(coloring(_touching(job)).max()) + 1,
     }
 
