@@ -20,11 +20,11 @@ _DEATHS = 10
 def local_client(n_workers: int) -> Iterator[Any]:
     """A client of a new cluster of so many processes on this machine, which ends with the block."""
     distributed = _distributed()
-    import dask
+    from dask import config
 
     threads = str(max(1, thread_count() // n_workers))
     with (
-        dask.config.set({"distributed.scheduler.allowed-failures": _DEATHS}),
+        config.set({"distributed.scheduler.allowed-failures": _DEATHS}),
         distributed.LocalCluster(
             n_workers=n_workers,
             threads_per_worker=1,

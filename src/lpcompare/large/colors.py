@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from lpcompare.types import Indices, Mask
+from lpcompare.types import Indices
 
 
-def coloring(touching: Mask) -> Indices:
+def coloring(touching: Sequence[Indices]) -> Indices:
     """The first free color of each tile, in order of their numbers.
 
     Parameters
     ----------
-    touching : ndarray of bool, shape (t, t)
-        Symmetric.
+    touching : sequence of ndarray of int
+        The tiles that each tile sees, and that see it.
 
     Returns
     -------
@@ -22,17 +24,16 @@ def coloring(touching: Mask) -> Indices:
     Examples
     --------
     >>> import numpy as np
-    >>> coloring(np.array([[0, 1, 0], [1, 0, 1], [0, 1, 0]], dtype=bool))
+    >>> coloring([np.array([1]), np.array([0, 2]), np.array([1])])
     array([0, 1, 0])
     """
     colors = np.full(len(touching), -1)
-    for tile, row in enumerate(touching):
-        taken = set(colors[row].tolist())
-        colors[tile] = next(color for color in range(len(touching)) if color not in taken)
+    for tile, others in enumerate(touching):
+        taken = set(colors[others].tolist())
+        colors[tile] = next(color for color in range(len(taken) + 1) if color not in taken)
     return colors
 
 
-def earlier(touching: Mask) -> dict[int, list[int]]:
+def earlier(touching: Sequence[Indices], colors: Indices) -> list[Indices]:
     """The tiles around each tile whose color comes before its own."""
-    colors = coloring(touching)
-    return {t: np.flatnonzero(row & (colors < colors[t])).tolist() for t, row in enumerate(touching)}
+    return [others[colors[others] < colors[tile]] for tile, others in enumerate(touching)]

@@ -39,7 +39,8 @@ def read_rows(path: Path, start: int, stop: int) -> tuple[Points, laspy.ScaleAwa
             reader.seek(start)
         records = reader.read_points(stop - start)
     check_held("points", stop - start, len(records))
-    return np.column_stack([records.x, records.y, records.z]).astype(np.float64), records
+    points = np.column_stack([np.asarray(records[axis], dtype=np.float64) for axis in "xyz"])
+    return points, records
 
 
 @contextmanager

@@ -139,7 +139,7 @@ def choose(job: Job, tile: int) -> None:
         kept.append(marked)
         if n_keep := int(budgets["programs"][tile, c]):
             tasks.append((c, rest, n_keep))
-    programs = [_program(job, costs[rest], n_keep, shifts[c]) for c, rest, n_keep in tasks]
+    programs = [_program(job, costs[rest], n_keep, float(shifts[c])) for c, rest, n_keep in tasks]
     settings = SolverSettings(job.settings["solver"], job.settings["time_limit"], job.settings["gap"])
     results = select(programs, [generators[c] for c, *_ in tasks], settings) if tasks else []
     chosen = [rest[mask] for (_, rest, _), (mask, _) in zip(tasks, results, strict=True)]

@@ -11,10 +11,19 @@ from typing import Any
 
 import numpy as np
 
-from lpcompare.large.colors import earlier
 from lpcompare.large.job import Job
 from lpcompare.large.spacing import disk_counts, radius_of, trial_radii
-from lpcompare.large.tiles import Run, adjacent, around, normalized, spilling, take, tile_tasks, uniform
+from lpcompare.large.tiles import (
+    Run,
+    around,
+    normalized,
+    save_turns,
+    spilling,
+    take,
+    tile_tasks,
+    tiles_before,
+    uniform,
+)
 from lpcompare.uniform.disks import keep_disks
 
 
@@ -26,7 +35,8 @@ def stages(job: Job, run: Run) -> None:
     run("counting", tile_tasks(job, count, "disks"))
     if not job.path("radius").exists():
         _find_radius(job)
-    run("selection", tile_tasks(job, keep, "chosen", _earlier(job)))
+    save_turns(job, float(job.load("radius")["radius"]))
+    run("selection", tile_tasks(job, keep, "chosen", in_turns=True))
 
 
 def summary(job: Job) -> dict[str, Any]:
@@ -43,10 +53,6 @@ def _find_radius(job: Job) -> None:
     job.save("radius", radius=radius)
 
 
-def _earlier(job: Job) -> dict[int, list[int]]:
-    return earlier(adjacent(job, float(job.load("radius")["radius"])))
-
-
 def count(job: Job, tile: int) -> None:
     """Disks of each radius in a tile."""
     points = normalized(job, job.map_array("points", tile))
@@ -59,7 +65,7 @@ def keep(job: Job, tile: int) -> None:
     radius = float(job.load("radius")["radius"])
     near = around(job, tile, radius)
     before = np.zeros(len(near.tiles), dtype=bool)
-    for other in _earlier(job)[tile]:
+    for other in tiles_before(job, tile):
         some = near.tiles == other
         before[some] = np.isin(near.places[some], job.map_array("kept_places", other))
     fixed = take(job, "points", near)[before]

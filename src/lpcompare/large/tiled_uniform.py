@@ -15,20 +15,21 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.geometry.surface import Surface
 from lpcompare.large import clusters, weights
 from lpcompare.large.clusters import surface_of, surroundings, tile_costs
-from lpcompare.large.colors import coloring, earlier
 from lpcompare.large.job import Job
 from lpcompare.large.tiles import (
     Around,
     Run,
-    adjacent,
     distances_to_box,
+    save_turns,
     take,
     tile_tasks,
+    tiles_before,
 )
 from lpcompare.types import Indices, Mask, Points, Vector
 from lpcompare.uniform.cells import blue_noise_centers
@@ -52,7 +53,8 @@ def stages(job: Job, run: Run) -> None:
     clusters.stages(job, run)
     weights.stages(job, run)
     run("cells", tile_tasks(job, spread, "cells"))
-    run("swaps", tile_tasks(job, swap, "swapped", earlier(_touching(job))))
+    save_turns(job, 2 * _halo(job) * float(job.load("whole")["scale"]))
+    run("swaps", tile_tasks(job, swap, "swapped", in_turns=True))
     if not job.path("deviations").exists():
         _find_deviations(job, "swapped", "deviations")
     run("selection", tile_tasks(job, choose, "chosen"))
@@ -66,7 +68,7 @@ def summary(job: Job) -> dict[str, Any]:
         "largest_residual": float(np.abs(result["deviations"]).max()),
         "residuals": np.abs(result["deviations"]),
         "disk_radius": float(job.load("budgets")["radius"]) * float(job.load("whole")["scale"]),
-        "n_colors": int(coloring(_touching(job)).max()) + 1,
+        "n_colors": int(job.load("turns")["colors"].max()) + 1,
     }
 
 
@@ -75,7 +77,7 @@ def _surface(job: Job, tile: int, near: Around) -> Surface:
     return surface_of(values)[0]
 
 
-def _ordered(surface: Surface, order: Indices) -> Surface:
+def _ordered(surface: Surface, order: NDArray[np.integer]) -> Surface:
     return Surface(surface.normals[order], surface.areas[order], surface.curvatures[order])
 
 
@@ -186,7 +188,7 @@ def swap(job: Job, tile: int) -> None:
     budgets = job.load("budgets")
     kept = np.asarray(job.map_array("sites", tile))
     if len(kept):
-        before = set(earlier(_touching(job))[tile])
+        before = set(tiles_before(job, tile).tolist())
         scene = _scene(
             job, tile, {t: "swapped_sites" if t in before else "sites" for t in range(job.n_tiles)}
         )
@@ -272,8 +274,3 @@ def _about(density: ClusterDensity, targets: Vector, widths: Vector) -> ClusterD
     """Costs about the targets of the clusters, so that one tolerance stands for ``widths`` of it."""
     labels = density.labels
     return ClusterDensity(labels, 1.0 + (density.costs / targets[labels] - 1.0) / widths[labels], targets)
-
-
-def _touching(job: Job) -> Mask:
-    """Which tiles see each other's kept points."""
-    return adjacent(job, 2 * _halo(job) * float(job.load("whole")["scale"]))

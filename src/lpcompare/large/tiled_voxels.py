@@ -62,7 +62,7 @@ def _cubes(job: Job, tile: int, edge: float) -> _Cubes:
     low = job.load("whole")["low"]
     near = around(job, tile, 2 * edge)
     points = np.concatenate([job.map_array("points", tile), take(job, "points", near)])
-    rows = np.concatenate([job.map_array("rows", tile), take(job, "rows", near)])
+    rows = np.concatenate([job.map_array("rows", tile), take(job, "rows", near)]).astype(np.intp)
     tiles = np.append(np.full(len(points) - len(near.tiles), tile), near.tiles)
     order = np.argsort(rows, kind="stable")
     x, y, z = ((points[order] - low) / edge).astype(np.int64).T

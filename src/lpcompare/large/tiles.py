@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 from lpcompare.checks import valid_rows
 from lpcompare.errors import InputError
 from lpcompare.geometry.scale import normalize
-from lpcompare.large.job import Block, Job
+from lpcompare.large.colors import coloring, earlier
+from lpcompare.large.job import Arrays, Block, Job
 from lpcompare.large.streams import read_rows
 from lpcompare.large.tasks import Task
-from lpcompare.types import Indices, Mask, Points, Vector
+from lpcompare.types import Indices, Points, Vector
 
 SAMPLE = 250_000
 """Points of the sample, about; the tiles and the mixture come from it."""
@@ -144,16 +145,13 @@ def tile_tasks(
     job: Job,
     function: Callable[[Job, int], None],
     name: str,
-    before: Mapping[int, Sequence[int]] | None = None,
+    *,
+    in_turns: bool = False,
 ) -> list[Task]:
-    """One task for every tile, which leaves the result ``name``, after the tiles ``before`` each."""
+    """One task for every tile, which leaves the result ``name``; in turns, after those of `tiles_before`."""
+    before = [tiles_before(job, tile) if in_turns else () for tile in range(job.n_tiles)]
     return [
-        Task(
-            function,
-            tile,
-            job.path(name, tile),
-            tuple(job.path(name, t) for t in (before or {}).get(tile, ())),
-        )
+        Task(function, tile, job.path(name, tile), tuple(job.path(name, int(t)) for t in before[tile]))
         for tile in range(job.n_tiles)
     ]
 
@@ -194,15 +192,27 @@ def distances_to_box(points: Points, low: Vector, high: Vector) -> Vector:
     return np.linalg.norm(np.maximum(np.maximum(low - points, points - high), 0.0), axis=1)
 
 
-def adjacent(job: Job, reach: float) -> Mask:
-    """Which tiles have boxes within a reach of each other, shape (t, t), not themselves."""
+def _apart(boxes: Arrays, low: Vector, high: Vector) -> Vector:
+    """Distance of every tile's box to a box, infinity for tiles without points, shape (t,)."""
+    gaps = np.maximum(np.maximum(low - boxes["high"], boxes["low"] - high), 0.0)
+    return np.where(boxes["count"] > 0, np.linalg.norm(gaps, axis=1), np.inf)
+
+
+def save_turns(job: Job, reach: float) -> None:
+    """Colors of the tiles that are within a reach of each other, and whom each one waits for."""
     boxes = job.load("boxes")
-    apart = np.maximum(boxes["low"][:, None] - boxes["high"], boxes["low"][None] - boxes["high"][:, None])
-    near = np.linalg.norm(np.maximum(apart, 0.0), axis=2) <= reach
-    near[~(boxes["count"] > 0)] = False
-    near[:, ~(boxes["count"] > 0)] = False
-    np.fill_diagonal(near, False)
-    return near
+    apart = (_apart(boxes, low, high) for low, high in zip(boxes["low"], boxes["high"], strict=True))
+    touching = [np.setdiff1d(np.flatnonzero(far <= reach), tile) for tile, far in enumerate(apart)]
+    colors = coloring(touching)
+    before = earlier(touching, colors)
+    starts = np.append(0, np.cumsum([len(others) for others in before]))
+    job.save("turns", colors=colors, starts=starts, before=np.concatenate(before))
+
+
+def tiles_before(job: Job, tile: int) -> Indices:
+    """The tiles that a tile waits for."""
+    turns = job.load("turns")
+    return turns["before"][slice(*turns["starts"][tile : tile + 2])]
 
 
 def around(job: Job, tile: int, reach: float) -> Around:
@@ -213,10 +223,9 @@ def around(job: Job, tile: int, reach: float) -> Around:
 
 def within(job: Job, low: Vector, high: Vector, reach: float, without: int = -1) -> Around:
     """The points of all tiles, but one, that are within a reach of a box."""
-    boxes = job.load("boxes")
-    apart = np.linalg.norm(np.maximum(np.maximum(low - boxes["high"], boxes["low"] - high), 0.0), axis=1)
+    apart = _apart(job.load("boxes"), low, high)
     tiles, places = [np.empty(0, dtype=np.intp)], [np.empty(0, dtype=np.intp)]
-    for tile in np.flatnonzero((apart <= reach) & (boxes["count"] > 0)):
+    for tile in np.flatnonzero(apart <= reach).tolist():
         if tile != without:
             near = distances_to_box(job.map_array("points", tile), low, high) <= reach
             places.append(np.flatnonzero(near))
