@@ -97,6 +97,7 @@ def spread(job: Job, tile: int) -> None:
         own = Neighbors(points[:n_own])
         surface = Surface(surface.normals[:n_own], surface.areas[:n_own], surface.curvatures[:n_own])
         chosen = _cells(own, surface, rims, weights.weighted(job, tile), n_keep)
+        job.save_array("rims", tile, np.column_stack([rims.rows, rims.directions, rims.areas]))
     job.save_array("sites", tile, chosen)
     job.save("cells", tile, count=len(chosen))
 
@@ -136,15 +137,13 @@ def _cells(tree: Neighbors, surface: Surface, rims: Rims, shares: Vector, n_keep
 class _Scene(NamedTuple):
     """A tile with what lies around it, in the order of a tree.
 
-    ``own`` and ``sites`` are the rows of the tile, and of kept points; ``places`` are those of the tile's points.
+    ``own`` marks the points of the tile, ``sites`` are the rows of kept points.
     """
 
     tree: Neighbors
     surface: Surface
-    rims: Rims
     own: Mask
     sites: Indices
-    places: Indices
     density: ClusterDensity
 
 
@@ -164,9 +163,6 @@ def _scene(job: Job, tile: int, kept_of: dict[int, str]) -> _Scene:
     surface = _ordered(_surface(job, tile, near), rows)
     points, kept = points[rows], kept[rows]
     tree = Neighbors(points)
-    places = _places(tree)
-    n_keep = max(1, int(np.count_nonzero(kept[:n_own])))
-    rims = _in_tree(_rims_of(points, surface, n_own, n_keep), tree)
     labels, costs = tile_costs(job, tile)
     n_clusters = len(job.load("clusters")["counts"])
     every_label = np.append(labels, np.full(len(rows) - n_own, n_clusters))[tree.order]
@@ -175,10 +171,8 @@ def _scene(job: Job, tile: int, kept_of: dict[int, str]) -> _Scene:
     return _Scene(
         tree,
         _ordered(surface, tree.order),
-        rims,
         tree.order < n_own,
-        np.sort(places[kept]),
-        places[:n_own],
+        np.flatnonzero(kept[tree.order]),
         density,
     )
 
@@ -257,10 +251,12 @@ def _solve(job: Job, tile: int, scene: _Scene, kept: Indices) -> Indices:
     targets = np.append(np.where(counts > 0, np.maximum(means - deviations + inside, 1e-3), 1.0), 1.0)
     narrow = np.append(_BAND - np.abs(inside) / tolerance, 1.0) if tolerance else np.ones(len(targets))
     scaled = _about(scene.density, targets, narrow)
+    known = np.asarray(job.map_array("rims", tile))
+    rims = _in_tree(Rims(known[:, 0].astype(np.intp), known[:, 1:4].copy(), known[:, 4].copy()), scene.tree)
     chosen, _, _ = solve_programs(
         scene.tree.sorted_points,
         scene.surface,
-        scene.rims,
+        rims,
         scaled,
         scene.sites,
         tolerance=tolerance,
