@@ -2,7 +2,9 @@
 
     python reports/large/seams.py MESH [--points 1000000] [--tiles 32 128] [--reduction 0.9]
 
-Writes seams.csv, one row for each number of tiles, and seam.png, the kept points around one seam, beside this file.
+Writes seams-POINTS.csv beside this file, one row for each number of tiles, and docs/images/seam.png, the kept points
+around one seam. Ratios are those over the whole cloud in memory; strip_1 to strip_4 are the kept points at up to one,
+two, three and four disk radii from a seam.
 """
 
 import argparse
@@ -61,6 +63,9 @@ def row(points, whole, known, source, n_tiles, reduction):
     near = distances <= halo
     ratio = {name: mask[some].sum() / whole[some].sum() for name, some in (("near", near), ("far", ~near))}
     values = {name: figures[name] / known[name] for name in COLUMNS}
+    for i in range(4):
+        strip = (distances > i * halo / 4) & (distances <= (i + 1) * halo / 4)
+        values[f"strip_{i + 1}"] = mask[strip].sum() / whole[strip].sum()
     values |= {"near_over_far": ratio["near"] / ratio["far"], "share_near": near.mean()}
     values |= {"largest_residual": result.info["largest_residual"], "seconds": seconds}
     return {"tiles": n_tiles, "points": len(points), "kept": result.n_kept} | values, (
@@ -86,10 +91,10 @@ def picture(points, whole, tiles, distances, mask, halo):
         panels, (mask, whole), ("in tiles", "as a whole, in memory"), strict=True
     ):
         kept = chosen[some]
-        panel.scatter(*flat[kept].T, c=tiles[some][kept] % 10, cmap="tab10", s=9)
+        panel.scatter(*flat[kept].T, c=tiles[some][kept] % 10, cmap="tab10", s=6)
         panel.set(title=title, aspect="equal", xticks=[], yticks=[])
     figure.tight_layout()
-    figure.savefig(HERE / "seam.png", dpi=110)
+    figure.savefig(HERE.parents[1] / "docs" / "images" / "seam.png", dpi=80)
 
 
 def main():
@@ -113,7 +118,7 @@ def main():
         for n_tiles in given.tiles:
             values, scene = row(points, whole, known, Path(folder) / "points.npy", n_tiles, given.reduction)
             rows.append(values)
-            pd.DataFrame(rows).to_csv(HERE / "seams.csv", index=False, float_format="%.4g")
+            pd.DataFrame(rows).to_csv(HERE / f"seams-{given.points}.csv", index=False, float_format="%.4g")
             if n_tiles == given.tiles[0]:
                 picture(points, whole, *scene)
 

@@ -120,7 +120,7 @@ def _figures(job: Job) -> dict[str, float]:
     sums, largest = parts["sums"].sum(axis=0), parts["largest"].max(axis=0)
     k6, k8, k12, distance, angle = sums / n_points
     percent = 100.0 / diagonal
-    return {
+    values = {
         "plane_error_pct": k8 * percent,
         "plane_error_max_pct": largest[0] * percent,
         "plane_error": k8,
@@ -131,6 +131,7 @@ def _figures(job: Job) -> dict[str, float]:
         "hausdorff_backward_pct": largest[2] * percent,
         "normal_deviation_deg": angle,
     }
+    return {name: float(value) for name, value in values.items()}
 
 
 def measure(job: Job, tile: int, *, reduced: Job) -> None:

@@ -91,3 +91,14 @@ def test_faces_are_left_out_and_said(tmp_path):
     written_in_parts(tmp_path / "mesh.ply", tmp_path / "some.ply", np.array([1, 3]), 2)
     assert read(tmp_path / "some.ply").faces is None
     np.testing.assert_array_equal(read(tmp_path / "some.ply").points, cloud.points[[1, 3]])
+
+
+def test_the_tree_of_a_copc_is_left_out_and_said(files, tmp_path):
+    las = laspy.read(files[".laz"])
+    las.vlrs.append(laspy.VLR("copc", 1, "", bytes(160)))
+    las.write(str(tmp_path / "tree.copc.laz"))
+    assert note_on(tmp_path / "tree.copc.laz") == "a COPC becomes a plain LAZ"
+    written_in_parts(tmp_path / "tree.copc.laz", tmp_path / "some.laz", ROWS, 1100)
+    copied = laspy.read(tmp_path / "some.laz")
+    assert (copied.points.array == las.points.array[ROWS]).all()
+    assert "copc" not in {record.user_id for record in copied.vlrs}
