@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Callable
-from contextlib import nullcontext
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
@@ -72,6 +72,21 @@ def parse_size(text: str) -> int:
     return int(float(found[1]) * 2 ** _UNITS[found[2].upper()])
 
 
+@contextmanager
+def some_cluster(workers: int, scheduler: str | None) -> Iterator[Any]:
+    """A Dask client where one is asked for, whose dashboard is named on stderr; else None."""
+    from lpcompare.checks import check_integer
+    from lpcompare.large.cluster import local_client, remote_client
+
+    if not workers and not scheduler:
+        yield None
+        return
+    workers = check_integer("--workers", workers, 0)
+    with remote_client(scheduler) if scheduler else local_client(workers) as client:
+        typer.echo(f"Dask's dashboard: {client.dashboard_link}", err=True)
+        yield client
+
+
 def simplify_large(
     inputs: list[str],
     out: str,
@@ -85,7 +100,6 @@ def simplify_large(
 ) -> str:
     """Thin all inputs together; returns the report."""
     from lpcompare.errors import InputError
-    from lpcompare.large.cluster import remote_client
     from lpcompare.large.simplify_files import simplify_files
 
     if set(how_far) - {"statistic"} - {"target_reduction", "target_count"}:
@@ -93,7 +107,7 @@ def simplify_large(
             "--max-error and --tolerance need the whole cloud; give --reduction or --count for tiles."
         )
     begin = perf_counter()
-    with remote_client(large.scheduler) if large.scheduler else nullcontext() as client:
+    with some_cluster(large.workers, large.scheduler) as client:
         try:
             result = simplify_files(
                 inputs,
@@ -107,7 +121,6 @@ def simplify_large(
                 random_state=seed,
                 callback=callback,
                 client=client,
-                workers=large.workers,
                 **settings,
             )
         except KeyboardInterrupt as error:

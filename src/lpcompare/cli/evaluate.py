@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import sys
-from contextlib import nullcontext
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from lpcompare.cli._bar import stage_bar
-from lpcompare.cli._large import INTERRUPTED, parse_size
+from lpcompare.cli._large import INTERRUPTED, parse_size, some_cluster
 
 
 def command(
@@ -38,13 +37,14 @@ def command(
     Example: lpcompare evaluate scan.laz thin.laz
     """
     from lpcompare.errors import InputError
-    from lpcompare.large.cluster import remote_client
     from lpcompare.large.evaluate_files import evaluate_files
 
     if len(paths) < 2:
         raise InputError("Name at least one original and then the reduced file.")
-    client = remote_client(scheduler) if scheduler else nullcontext()
-    with client as some, stage_bar(shown=sys.stderr.isatty() and not quiet) as callback:
+    with (
+        some_cluster(workers, scheduler) as client,
+        stage_bar(shown=sys.stderr.isatty() and not quiet) as callback,
+    ):
         try:
             values = evaluate_files(
                 paths[:-1],
@@ -53,8 +53,7 @@ def command(
                 memory=None if memory is None else parse_size(memory),
                 spill=spill,
                 callback=callback,
-                client=some,
-                workers=workers,
+                client=client,
             )
         except KeyboardInterrupt:
             raise typer.Exit(INTERRUPTED) from None

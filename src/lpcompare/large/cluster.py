@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import os
 import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -31,7 +30,7 @@ def local_client(n_workers: int) -> Iterator[Any]:
             memory_limit=0,
             preload=__name__,
             silence_logs=logging.ERROR,
-            dashboard_address=os.environ.get("LPCOMPARE_DASHBOARD", "127.0.0.1:0"),
+            dashboard_address="127.0.0.1:0",
             env={"LPCOMPARE_THREADS": threads},
         ) as cluster,
         distributed.Client(cluster) as client,

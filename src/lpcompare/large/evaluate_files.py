@@ -85,7 +85,8 @@ def evaluate_files(
             _job(folder / name, files) for name, files in (("original", original), ("reduced", [reduced]))
         ]
         n_points = sum(job.n_points for job in jobs)
-        needs = estimate("evaluate", n_points, memory or free_memory() // 2, max(1, workers), n_tiles)
+        n_workers = len(client.nthreads()) if client is not None else workers
+        needs = estimate("evaluate", n_points, memory or free_memory() // 2, max(1, n_workers), n_tiles)
         check_disk(folder, needs.disk_mib)
         whole, few = (replace(job, n_tiles=needs.n_tiles) for job in jobs)
         with some_client(client, workers) as some:

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from lpcompare.checks import check_integer, check_target
-from lpcompare.errors import InputError
+from lpcompare.errors import InputError, SolverError
 from lpcompare.files import replace_text
 from lpcompare.io import check_target as check_output
 from lpcompare.io import same_format
@@ -140,14 +140,14 @@ def simplify_files(
     400
     """
     settings = _settings(method, settings)
-    output, n_workers = Path(output), max(1, workers)
+    output, n_workers = Path(output), len(client.nthreads()) if client is not None else workers
     folder = spill_folder(output, spill)
     with spilling_folder(folder, resume=resume):
         files = local_files(inputs, folder / "inputs")
         counts = [count_points(path) for path in files]
         count = check_target(sum(counts), target_reduction, target_count)
         _check_output(files, output)
-        needs = estimate(method, sum(counts), memory or free_memory() // 2, n_workers, n_tiles)
+        needs = estimate(method, sum(counts), memory or free_memory() // 2, max(1, n_workers), n_tiles)
         check_disk(folder, needs.disk_mib)
         job = Job(
             folder=folder,
@@ -238,15 +238,13 @@ def spilling_folder(folder: Path, *, resume: bool) -> Iterator[None]:
     begun = folder / "job.json"
     try:
         yield
-    except KeyboardInterrupt as error:
-        raise KeyboardInterrupt(_continue(folder) if begun.exists() else "") from error
-    except OSError as error:
-        raise InputError(f"{error.strerror or error}. {_continue(folder)}") from error
-    except InputError as error:
-        if begun.exists():
-            raise InputError(f"{error} {_continue(folder)}") from error
-        shutil.rmtree(folder)
-        raise
+    except (KeyboardInterrupt, OSError, InputError, SolverError) as error:
+        if not begun.exists():
+            shutil.rmtree(folder)
+            raise
+        if isinstance(error, OSError):
+            raise InputError(f"{error.strerror or error}. {_continue(folder)}") from error
+        raise type(error)(f"{error} {_continue(folder)}".strip()) from error
     shutil.rmtree(folder)
 
 
