@@ -94,7 +94,7 @@ def picture(points, whole, tiles, distances, mask, halo):
         panel.scatter(*flat[kept].T, c=tiles[some][kept] % 10, cmap="tab10", s=6)
         panel.set(title=title, aspect="equal", xticks=[], yticks=[])
     figure.tight_layout()
-    figure.savefig(HERE.parents[1] / "docs" / "images" / "seam.png", dpi=80)
+    figure.savefig(HERE.parents[1] / "docs" / "images" / "seam.png", dpi=80, bbox_inches="tight")
 
 
 def main():
