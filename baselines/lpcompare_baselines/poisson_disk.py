@@ -25,6 +25,7 @@ TRAITS = Traits(
     licence="GPL-3.0",
     exact_count=False,
     own_process=True,
+    in_tiles=True,
 )
 
 

@@ -11,6 +11,7 @@ TRAITS = Traits(
     wraps="numpy.random.Generator.choice",
     source="Vitter, Random sampling with a reservoir, ACM TOMS 11(1), 1985",
     licence="BSD-3-Clause",
+    in_tiles=True,
 )
 
 

@@ -18,6 +18,7 @@ TRAITS = Traits(
     source="Rusu and Cousins, 3D is here: Point Cloud Library, ICRA 2011 (VoxelGrid)",
     licence="BSD-3-Clause",
     exact_count=False,
+    in_tiles=True,
 )
 
 

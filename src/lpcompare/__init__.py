@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from lpcompare.benchmark.record import Run, load_run
     from lpcompare.benchmark.runner import run
     from lpcompare.io.formats import read, write
+    from lpcompare.large.evaluate_files import evaluate_files
+    from lpcompare.large.simplify_files import simplify_files
     from lpcompare.listing import methods, metrics, models
     from lpcompare.metrics.comparison import evaluate
     from lpcompare.paper.simplifier import LPSimplifier
@@ -41,6 +43,7 @@ _HOMES = {
     "Simplification": "types",
     "UniformSimplifier": "uniform.simplifier",
     "evaluate": "metrics.comparison",
+    "evaluate_files": "large.evaluate_files",
     "load_run": "benchmark.record",
     "methods": "listing",
     "metrics": "listing",
@@ -48,6 +51,7 @@ _HOMES = {
     "read": "io.formats",
     "run": "benchmark.runner",
     "simplify": "simplify",
+    "simplify_files": "large.simplify_files",
     "write": "io.formats",
 }
 
@@ -59,6 +63,7 @@ __all__ = [
     "UniformSimplifier",
     "__version__",
     "evaluate",
+    "evaluate_files",
     "load_run",
     "methods",
     "metrics",
@@ -66,6 +71,7 @@ __all__ = [
     "read",
     "run",
     "simplify",
+    "simplify_files",
     "write",
 ]
 

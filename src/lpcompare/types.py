@@ -203,6 +203,8 @@ class Traits:
     repeatable : bool
         The same seed gives the same points; false where a wrapped program draws from a generator that
         cannot be seeded.
+    in_tiles : bool
+        The method works on clouds larger than memory, tile by tile: `lpcompare.simplify_files`.
     requires : tuple of str
         Importable modules that must be present.
     programs : tuple of str
@@ -225,6 +227,7 @@ class Traits:
     reading: bool = False
     own_process: bool = False
     repeatable: bool = True
+    in_tiles: bool = False
     requires: tuple[str, ...] = ()
     programs: tuple[str, ...] = ()
     extra: str = ""

@@ -28,6 +28,8 @@ ALLOWED = {
     "testing": CORE | {"registry"},
     "interplay": CORE,
     "simplify": CORE | {"checks", "interplay", "max_error", "registry", "isolation"},
+    "large": CORE
+    | {"checks", "files", "geometry", "io", "paper", "progress", "registry", "threads", "uniform"},
     "isolation": CORE | {"registry", "threads", "children", "io", "benchmark"},
     "baselines": CORE | {"mesh_library", "geometry"},
     "metrics": CORE | {"checks", "interplay", "mesh_library", "geometry", "registry"},

@@ -15,6 +15,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from lpcompare.cli._large import Large, simplify_large
+
 if TYPE_CHECKING:
     from lpcompare.isolation import Limits
     from lpcompare.types import PointCloud, Simplification
@@ -80,6 +82,22 @@ def command(
     memory_limit: Annotated[
         int | None, typer.Option(help="MiB that the method may use; implies --isolate.")
     ] = None,
+    tiles: Annotated[
+        int | None,
+        typer.Option(
+            help="Work in so many tiles on disk, all inputs as one cloud; by itself where memory is short."
+        ),
+    ] = None,
+    memory: Annotated[
+        str | None,
+        typer.Option(help="Memory of all processes, such as 4GiB; by default half of what is free."),
+    ] = None,
+    spill: Annotated[Path | None, typer.Option(help="Folder for the tiles, by default beside OUT.")] = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Continue from finished tiles.")] = False,
+    workers: Annotated[int, typer.Option(help="Processes for the tiles (Dask); 0 is none.")] = 0,
+    scheduler: Annotated[
+        str | None, typer.Option(metavar="ADDRESS", help="A running Dask scheduler, such as tcp://host:8786.")
+    ] = None,
     force: Annotated[bool, typer.Option("--force", help="Allow OUT to be an input.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress and no report.")] = False,
 ) -> None:
@@ -105,12 +123,21 @@ def command(
         refine=refine,
         evaluate=evaluate,
     )
-    pairs = _pairs(paths, force=force)
+    large = Large(tiles, memory, spill, resume, workers, scheduler)
+    together = large.wanted(paths[:-1], paths[-1])
+    pairs = [] if together else _pairs(paths, force=force)
     failed = False
     with _stages(hidden=quiet) as callback:
+        if together:
+            report = _in_tiles(paths[:-1], paths[-1], order, large, callback)
+            if not quiet:
+                typer.echo(report)
         for source, target in pairs:
             try:
-                report = _simplify_file(source, target, order, callback)
+                if isinstance(target, Path) and large.needed(source, method):
+                    report = _in_tiles([str(source)], str(target), order, large, callback)
+                else:
+                    report = _simplify_file(source, target, order, callback)
             except LpcompareError as error:
                 if len(pairs) == 1:
                     raise
@@ -121,6 +148,31 @@ def command(
                 typer.echo(report, err=target == STANDARD_OUTPUT)
     if failed:
         raise typer.Exit(2)
+
+
+def _in_tiles(inputs: list[str], out: str, order: _Order, large: Large, callback: Callback) -> str:
+    """Thin files together in tiles; returns the report."""
+    from lpcompare.errors import InputError
+
+    options = {
+        "--order": order.rank,
+        "--refine": order.refine,
+        "--evaluate": order.evaluate,
+        "--strict": order.strict,
+        "--isolate": order.limits is not None,
+    }
+    if given := [name for name, is_given in options.items() if is_given]:
+        raise InputError(f"{given[0]} needs the whole cloud in memory; leave it out, or give more --memory.")
+    return simplify_large(
+        inputs,
+        out,
+        large,
+        how_far=order.how_far,
+        method=order.method,
+        settings=order.settings,
+        seed=order.seed,
+        callback=callback,
+    )
 
 
 def _how_far(

@@ -111,13 +111,18 @@ def keep_rows(source: Path, target: Path, rows: Indices) -> tuple[str, ...]:
     file.points = laspy.ScaleAwarePointRecord(
         file.points.array[rows], file.point_format, file.header.scales, file.header.offsets
     )
-    if "copc" in {record.user_id for record in [*file.vlrs, *(file.evlrs or ())]}:
-        file.vlrs = [record for record in file.vlrs if record.user_id != "copc"]
-        file.evlrs = VLRList([record for record in file.evlrs or () if record.user_id != "copc"])
-    if file.header.version.minor == 0:
-        file.header.version = Version(1, 1)  # of the same layout, and laspy writes no 1.0
+    make_writable(file.header)
     _write(target, file)
-    return _keep_waveforms(source, target, file.header)
+    return keep_waveforms(source, target, file.header)
+
+
+def make_writable(header: laspy.LasHeader) -> None:
+    """Take out of a header what a file with other points cannot have: COPC's tree, and version 1.0."""
+    header.vlrs = VLRList([record for record in header.vlrs if record.user_id != "copc"])
+    if header.evlrs is not None:
+        header.evlrs = VLRList([record for record in header.evlrs if record.user_id != "copc"])
+    if header.version.minor == 0:
+        header.version = Version(1, 1)  # of the same layout, and laspy writes no 1.0
 
 
 def _write(path: Path, file: laspy.LasData) -> None:
@@ -129,7 +134,7 @@ def _write(path: Path, file: laspy.LasData) -> None:
             writer.write_evlrs(file.evlrs)
 
 
-def _keep_waveforms(source: Path, target: Path, header: laspy.LasHeader) -> tuple[str, ...]:
+def keep_waveforms(source: Path, target: Path, header: laspy.LasHeader) -> tuple[str, ...]:
     """Copy the record of waveforms that points refer to and name its place; say what is not copied."""
     start = header.start_of_waveform_data_packet_record if header.version.minor >= 3 else 0
     if not start:

@@ -38,7 +38,7 @@ HOLDS = {
 
 
 @dataclass(frozen=True)
-class _File:
+class File:
     """A file taken apart: lines of the header up to DATA, the type of a point, and the body."""
 
     head: list[bytes]
@@ -50,6 +50,7 @@ class _File:
 
     @property
     def count(self) -> int:
+        """Points of the file."""
         return self.shape[0] * self.shape[1]
 
 
@@ -102,11 +103,6 @@ def write(path: Path, cloud: PointCloud) -> None:
 def keep_rows(source: Path, target: Path, rows: Indices) -> tuple[str, ...]:
     """The same header, encoding and values; an image-like cloud becomes a list of points."""
     file = _take_apart(source)
-    counts = {b"WIDTH": len(rows), b"HEIGHT": 1, b"POINTS": len(rows)}
-    head = list(file.head)
-    for i, line in enumerate(head):
-        if _key(line) in counts:
-            head[i] = re.sub(rb"(?<=\s)\d\S*", b"%d" % counts[_key(line)], line, count=1)
     encoding, body = file.encoding, b""
     if encoding == b"ascii":
         lines = _lines(file)
@@ -119,20 +115,33 @@ def keep_rows(source: Path, target: Path, rows: Indices) -> tuple[str, ...]:
             packed = lzf.compress(whole)
             encoding = encoding if packed else b"binary"  # what cannot be made smaller
             body = struct.pack("<II", len(packed), len(whole)) + packed if packed else body
-    target.write_bytes(b"".join(head) + b"DATA " + encoding + b"\n" + body)
+    target.write_bytes(head_of(file.head, len(rows)) + b"DATA " + encoding + b"\n" + body)
     width, height = file.shape
     return (f"the grid of {width} x {height} points becomes a list",) if height > 1 else ()
 
 
-def _take_apart(path: Path) -> _File:
-    """The header, taken apart, and the body.
+def head_of(head: list[bytes], count: int) -> bytes:
+    """The lines of a header up to DATA, for a list of ``count`` points."""
+    counts = {b"WIDTH": count, b"HEIGHT": 1, b"POINTS": count}
+    lines = list(head)
+    for i, line in enumerate(lines):
+        if _key(line) in counts:
+            lines[i] = re.sub(rb"(?<=\s)\d\S*", b"%d" % counts[_key(line)], line, count=1)
+    return b"".join(lines)
+
+
+def _take_apart(path: Path) -> File:
+    return parse_header(path.read_bytes())
+
+
+def parse_header(content: bytes) -> File:
+    """The header, taken apart, and of the body what ``content`` has.
 
     Raises
     ------
     Damaged
         Fields without a type, or more values a point than anyone stores.
     """
-    content = path.read_bytes()
     end = re.search(rb"^[ \t]*DATA[ \t]+(\w+)[^\n]*\n", content[:LONGEST_HEADER], re.MULTILINE)
     if end is None:
         raise Damaged(f"its header has no line DATA in the first {LONGEST_HEADER} bytes")
@@ -158,7 +167,7 @@ def _take_apart(path: Path) -> _File:
     points, width, height = (_integer(words, key, 0, "0") for key in ("POINTS", "WIDTH", "HEIGHT"))
     shape = (width, height) if width * height >= points else (points, 1)
     used = tuple(name for name, count in zip(names, numbers_of, strict=True) if count)
-    return _File(head, end[1].lower(), np.dtype(kinds), used, shape, content[end.end() :])
+    return File(head, end[1].lower(), np.dtype(kinds), used, shape, content[end.end() :])
 
 
 def _key(line: bytes) -> bytes:
@@ -178,7 +187,7 @@ def _integer(words: dict[str, list[str]], key: str, at: int, default: str) -> in
     return value
 
 
-def _lines(file: _File) -> list[bytes]:
+def _lines(file: File) -> list[bytes]:
     """The lines of a body of text that are points."""
     lines = [line for line in file.body.splitlines(keepends=True) if line.partition(b"#")[0].strip()]
     if len(lines) != file.count:
@@ -186,7 +195,7 @@ def _lines(file: _File) -> list[bytes]:
     return lines
 
 
-def _table(file: _File) -> NDArray[Any]:
+def _table(file: File) -> NDArray[Any]:
     """The points as records."""
     size = file.count * file.kind.itemsize
     if file.encoding == b"ascii":

@@ -34,7 +34,7 @@ HOLDS = {".ply": Holds(types=tuple(_NAMES), normals="f8", colors="u1", faces=Tru
 
 
 @dataclass
-class _Element:
+class Element:
     """A table of the file: its lines of the header, and each property's name, type and type of a count."""
 
     name: str
@@ -49,7 +49,7 @@ class _File:
 
     order: str
     head: list[bytes]
-    elements: list[_Element]
+    elements: list[Element]
     body: bytes
     rows: list[bytes]
 
@@ -111,6 +111,30 @@ def _take_apart(path: Path) -> _File:
         No header of PLY, or one that is longer or has more properties than anyone writes.
     """
     content = path.read_bytes()
+    order, head, elements, end = parse_header(content)
+    for element in elements:
+        if element.count * max(len(element.properties), 1) > len(content):
+            raise Damaged(
+                f"it promises {element.count} rows of {element.name!r} and holds {len(content)} bytes"
+            )
+    body = content[end:]
+    rows = [line for line in body.splitlines(keepends=True) if line.strip()] if not order else []
+    return _File(order, head, elements, body, rows)
+
+
+def parse_header(content: bytes) -> tuple[str, list[bytes], list[Element], int]:
+    """Byte order (empty of text), lines of the header, its elements, and where the body begins.
+
+    Parameters
+    ----------
+    content : bytes
+        The beginning of a file, with at least its header.
+
+    Raises
+    ------
+    Damaged
+        No header of PLY, or one that is longer or has more properties than anyone writes.
+    """
     begin = re.match(rb"ply[ \t]*(\r\n|\n|\r)", content)
     if begin is None:
         raise Damaged("it does not begin with the line 'ply'")
@@ -118,13 +142,13 @@ def _take_apart(path: Path) -> _File:
     if end is None:
         raise Damaged(f"its header has no line 'end_header' in the first {LONGEST_HEADER} bytes")
     head = [line + begin[1] for line in content[: end.end()].split(begin[1])[:-1]]
-    order, elements = None, list[_Element]()
+    order, elements = None, list[Element]()
     for i, line in enumerate(head):
         match line.split():
             case [b"format", kind, *_]:
                 order = _ORDERS.get(kind)
             case [b"element", name, count, *_] if count.isdigit():
-                elements.append(_Element(decoded(name), int(count), [i]))
+                elements.append(Element(decoded(name), int(count), [i]))
             case [b"property", *kinds, name] if elements and kinds:
                 elements[-1].properties.append(_property(name, kinds))
                 elements[-1].lines.append(i)
@@ -134,14 +158,7 @@ def _take_apart(path: Path) -> _File:
         raise Damaged(f"its header has none of the formats {b', '.join(_ORDERS).decode()}")
     if sum(len(element.properties) for element in elements) > _MOST_PROPERTIES:
         raise Damaged(f"its header has more than {_MOST_PROPERTIES} properties")
-    for element in elements:
-        if element.count * max(len(element.properties), 1) > len(content):
-            raise Damaged(
-                f"it promises {element.count} rows of {element.name!r} and holds {len(content)} bytes"
-            )
-    body = content[end.end() :]
-    rows = [line for line in body.splitlines(keepends=True) if line.strip()] if not order else []
-    return _File(order, head, elements, body, rows)
+    return order, head, elements, end.end()
 
 
 def _property(name: bytes, kinds: list[bytes]) -> tuple[str, str, str]:
@@ -152,7 +169,7 @@ def _property(name: bytes, kinds: list[bytes]) -> tuple[str, str, str]:
     return decoded(name), types[-1], types[0] if len(types) == 2 else ""
 
 
-def _table(file: _File, element: _Element, start: int) -> tuple[dict[str, NDArray[Any]], NDArray[np.intp]]:
+def _table(file: _File, element: Element, start: int) -> tuple[dict[str, NDArray[Any]], NDArray[np.intp]]:
     """The columns of an element, and where in the body, after ``start``, each of its rows ends.
 
     Lists that are all of one length, such as triangles, are read at once.
@@ -182,7 +199,7 @@ def _table(file: _File, element: _Element, start: int) -> tuple[dict[str, NDArra
     return dict(zip(names, columns, strict=True)), ends if file.order else np.arange(start, start + count + 1)
 
 
-def _record(order: str, element: _Element, i: int, length: int) -> list[tuple[str, str, tuple[int, ...]]]:
+def _record(order: str, element: Element, i: int, length: int) -> list[tuple[str, str, tuple[int, ...]]]:
     """The fields of a property in a record: a list's count and its values."""
     _, kind, counter = element.properties[i]
     value = (f"v{i}", order + kind, (length,) if counter else ())
@@ -190,7 +207,7 @@ def _record(order: str, element: _Element, i: int, length: int) -> list[tuple[st
 
 
 def _rows(
-    file: _File, element: _Element, start: int, count: int
+    file: _File, element: Element, start: int, count: int
 ) -> tuple[list[list[NDArray[Any]]], NDArray[np.intp]]:
     """The values of each property in some rows, one row after the other, and where each row ends."""
     words = [line.split() for line in file.rows[start : start + count]]

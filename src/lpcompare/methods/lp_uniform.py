@@ -19,6 +19,7 @@ TRAITS = Traits(
     family="ours",
     wraps="lpcompare (cvxpy, HiGHS)",
     source="Leal and others, A Linear Programming Approach for 3D Point Cloud Simplification, 2017",
+    in_tiles=True,
 )
 ESTIMATOR = UniformSimplifier
 

@@ -44,12 +44,26 @@ def sampling_weights(areas: Vector, curvature: Vector) -> Vector:
     ndarray, shape (n,)
         Positive.
     """
-    floor = _FLAT_SHARE * float(curvature.mean())
-    bend = np.maximum(curvature, floor) if floor > 0 else np.ones_like(curvature)
-    smallest = float(areas[areas > 0].min(initial=np.inf))
-    surface = np.maximum(areas, smallest) if np.isfinite(smallest) else np.ones_like(areas)
-    weights = surface**_AREA_EXPONENT * bend**_CURVATURE_EXPONENT
+    weights = weights_in(
+        areas, curvature, float(curvature.mean()), float(areas[areas > 0].min(initial=np.inf))
+    )
     return weights / weights.mean()
+
+
+def weights_in(areas: Vector, curvature: Vector, mean_curvature: float, smallest_area: float) -> Vector:
+    """`sampling_weights` of a part of a cloud, up to a factor.
+
+    Parameters
+    ----------
+    areas, curvature : ndarray, shape (n,)
+        Of the part.
+    mean_curvature, smallest_area : float
+        Of the whole cloud; the least area above zero, or infinity where there is none.
+    """
+    floor = _FLAT_SHARE * mean_curvature
+    bend = np.maximum(curvature, floor) if floor > 0 else np.ones_like(curvature)
+    surface = np.maximum(areas, smallest_area) if np.isfinite(smallest_area) else np.ones_like(areas)
+    return surface**_AREA_EXPONENT * bend**_CURVATURE_EXPONENT
 
 
 def tilt_to_density(weights: Vector, costs: Vector, labels: Indices) -> Vector:
@@ -71,8 +85,15 @@ def tilt_to_density(weights: Vector, costs: Vector, labels: Indices) -> Vector:
     ndarray, shape (n,)
         The weight of each cluster as a whole stays as it was.
     """
+    power = tilt_powers(weights, costs, labels, int(labels.max()) + 1)
+    tilted = weights * np.exp(power[labels] * np.log(costs))
+    before, after = (np.bincount(labels, w, len(power)) for w in (weights, tilted))
+    return tilted * (before / np.where(after > 0, after, 1.0))[labels]
+
+
+def tilt_powers(weights: Vector, costs: Vector, labels: Indices, n_clusters: int) -> Vector:
+    """The power of each cluster of `tilt_to_density`, shape (n_clusters,)."""
     logs = np.log(costs)
-    n_clusters = int(labels.max()) + 1
     low, high = np.full(n_clusters, -_TILT_RANGE), np.full(n_clusters, _TILT_RANGE)
     power = np.zeros(n_clusters)
     for _ in range(_TILT_STEPS):
@@ -84,9 +105,7 @@ def tilt_to_density(weights: Vector, costs: Vector, labels: Indices) -> Vector:
         before, power = power, np.where((low < newton) & (newton < high), newton, (low + high) / 2)
         if np.abs(power - before).max() < _TILT_PRECISION:
             break
-    tilted = weights * np.exp(power[labels] * logs)
-    before, after = (np.bincount(labels, w, n_clusters) for w in (weights, tilted))
-    return tilted * (before / np.where(after > 0, after, 1.0))[labels]
+    return power
 
 
 def blue_noise_centers(tree: Neighbors, weights: Vector, n_cells: int) -> Points:

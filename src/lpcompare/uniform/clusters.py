@@ -60,10 +60,10 @@ def spread_points(
     quadrics = tangent_quadrics(points, surface, rims, centers)
     costs = quadrics.costs(points, _SPREAD)
     chosen = cheapest_of_each(costs, quadrics.owners, n_keep)
-    return _filled(points, chosen[chosen >= 0], n_keep)
+    return fill_up(points, chosen[chosen >= 0], n_keep)
 
 
-def _filled(points: Points, chosen: Indices, n_keep: int) -> Indices:
+def fill_up(points: Points, chosen: Indices, n_keep: int) -> Indices:
     """Add the originals farthest from ``chosen``: coinciding centres leave cells without a point."""
     free = np.setdiff1d(np.arange(len(points)), chosen)
     if len(chosen) < n_keep:
@@ -97,6 +97,7 @@ def solve_programs(
     tolerance: float,
     stop: Stop,
     progress: Progress | None = None,
+    movable: Mask | None = None,
 ) -> tuple[Indices, Indices, list[SpreadCertificate]]:
     """One point per cell of ``sites``, chosen by the program of each cluster, in parallel threads.
 
@@ -113,11 +114,13 @@ def solve_programs(
     stop : Stop
     progress : callable, optional
         Called with (clusters done, clusters).
+    movable : ndarray of bool, shape (n,), optional
+        Rows of the part of a larger cloud that is chosen from; no point is chosen for sites elsewhere.
 
     Returns
     -------
     indices : ndarray of int, shape (m,)
-        The choice of each site.
+        The choice of each site; a site that is not movable itself.
     cells : ndarray of int, shape (n,)
         The site of each original.
     certificates : list of SpreadCertificate
@@ -126,7 +129,10 @@ def solve_programs(
     quadrics = tangent_quadrics(points, surface, rims, points[sites])
     costs = quadrics.costs(points, _SPREAD)
     owners = _own_sites(quadrics.owners, sites)
-    candidates = np.flatnonzero(_candidates(points, density.labels, sites, owners))
+    allowed = _candidates(points, density.labels, sites, owners)
+    if movable is not None:
+        allowed &= movable & movable[sites[owners]]
+    candidates = np.flatnonzero(allowed)
     clusters = density.labels[candidates]
     cancelled = Event()
 
@@ -145,7 +151,7 @@ def solve_programs(
     order = candidates[np.argsort(clusters, kind="stable")]
     groups = np.split(order, np.cumsum(np.bincount(clusters))[:-1])
     results = map_in_threads(solve, [rows for rows in groups if len(rows)], progress, cancelled)
-    indices = np.empty_like(sites)
+    indices = sites.copy()
     for rows, _ in results:
         indices[owners[rows]] = rows
     return indices, owners, [certificate for _, certificate in results]

@@ -20,6 +20,9 @@ class DensityBand:
     tolerance : float
         Largest Z of eq. 14, as a share of D_c, that a swap may lead to. A cluster that is farther out takes
         only what brings it closer.
+    offsets : ndarray, shape (K,), optional
+        What is added to the sums of the costs, for a part of a larger cloud: what the other parts have too much,
+        less what they should have.
 
     Attributes
     ----------
@@ -28,21 +31,24 @@ class DensityBand:
         their costs in every cluster, tolerance.
     """
 
-    def __init__(self, labels: Indices, costs: Vector, tolerance: float = 0.01) -> None:
-        n_clusters = int(labels.max()) + 1
+    def __init__(
+        self, labels: Indices, costs: Vector, tolerance: float = 0.01, offsets: Vector | None = None
+    ) -> None:
+        n_clusters = int(labels.max()) + 1 if offsets is None else len(offsets)
+        self._offsets = np.zeros(n_clusters) if offsets is None else offsets
         counts, sums = np.zeros(n_clusters, dtype=np.int64), np.zeros(n_clusters)
         self.arrays = labels, costs, counts, sums, tolerance
 
     def sorted(self, order: Indices) -> DensityBand:
         """The band for the originals ``order``."""
         labels, costs, _, _, tolerance = self.arrays
-        return DensityBand(labels[order], costs[order], tolerance)
+        return DensityBand(labels[order], costs[order], tolerance, self._offsets)
 
     def start(self, kept: Indices) -> None:
         """Count the points ``kept``."""
         labels, costs, counts, sums, _ = self.arrays
         counts[:] = np.bincount(labels[kept], minlength=len(counts))
-        sums[:] = np.bincount(labels[kept], weights=costs[kept], minlength=len(counts))
+        sums[:] = self._offsets + np.bincount(labels[kept], weights=costs[kept], minlength=len(counts))
 
     def pull(self) -> Vector:
         """How much dropping each original would bring its cluster back, in points' shares, shape (n,).

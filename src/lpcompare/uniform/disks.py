@@ -57,7 +57,13 @@ def disk_radius(points: Points, n_keep: int) -> float:
 
 @njit(cache=True, nogil=True)
 def count_disks(points, order, radius, most, table):
-    """Points that are kept when each is kept unless one within ``radius`` is; counting ends above ``most``.
+    """How many rows `keep_disks` gives."""
+    return len(keep_disks(points, order, radius, most, table))
+
+
+@njit(cache=True, nogil=True)
+def keep_disks(points, order, radius, most, table):
+    """Rows that are kept when each is kept unless one within ``radius`` is; it ends above ``most``.
 
     ``table`` is the space of a hash table; its length is a power of two.
     """
@@ -77,7 +83,7 @@ def count_disks(points, order, radius, most, table):
             place = _place(i, j, k, mask)
             following[count], table[place], rows[count] = table[place], count, row
             count += 1
-    return count
+    return rows[:count]
 
 
 @njit(cache=True, nogil=True)

@@ -21,7 +21,7 @@ from lpcompare.errors import InputError
 from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.geometry.scale import normalize
 from lpcompare.geometry.surface import estimate_surface
-from lpcompare.types import Indices, Points, Vector
+from lpcompare.types import Indices, Mask, Points, Vector
 from lpcompare.uniform.densities import DensityBand, deviation
 from lpcompare.uniform.disks import disk_radius
 from lpcompare.uniform.neighborhoods import Neighborhoods
@@ -104,6 +104,8 @@ def swap_points(
     n_rounds: int = 6,
     emphasis: Emphasis = EMPHASES["balanced"],
     band: DensityBand | None = None,
+    limit: float | None = None,
+    movable: Mask | None = None,
 ) -> Indices:
     """Swap points of a subset so that the error falls and no hole opens.
 
@@ -120,6 +122,10 @@ def swap_points(
     emphasis : Emphasis
     band : DensityBand, optional
         Keeps the density of every cluster (eqs. 24-25).
+    limit : float, optional
+        The hole limit, by default that of a Poisson disk sampling of as many points.
+    movable : ndarray of bool, shape (n,), optional
+        Rows that may be dropped or added; by default all. The others lie around a part of a larger cloud.
 
     Returns
     -------
@@ -131,21 +137,25 @@ def swap_points(
     if len(kept) < 4 or len(kept) == len(tree.points) or n_rounds == 0:
         return kept
     state = Neighborhoods(tree, normals, kept, emphasis.triangle_share)
-    limit = emphasis.hole_limit * disk_radius(tree.sorted_points, len(kept))
+    if limit is None:
+        limit = emphasis.hole_limit * disk_radius(tree.sorted_points, len(kept))
+    n_movable = len(kept) if movable is None else int(np.count_nonzero(movable[kept]))
     band = band or DensityBand(np.zeros(len(tree.points), dtype=np.intp), np.ones(len(tree.points)))
     best, best_rank = kept, state.rank(limit)
     for share in np.linspace(_FIRST_SHARE, _LAST_SHARE, n_rounds):
-        if not _swap_once(state, limit, band, max(int(share * len(kept)), 1)):
+        if not _swap_once(state, limit, band, max(int(share * n_movable), 1), movable):
             break
         best, best_rank = min((best, best_rank), (state.kept, state.rank(limit)), key=lambda pair: pair[1])
     return best
 
 
-def _swap_once(state: Neighborhoods, limit: float, band: DensityBand, n_swaps: int) -> bool:
+def _swap_once(
+    state: Neighborhoods, limit: float, band: DensityBand, n_swaps: int, movable: Mask | None
+) -> bool:
     """Try one round and take back what did not pay; whether anything was tried."""
     band.start(state.kept)
     price = _DENSITY_PRICE * float(state.errors.mean()) * len(state.errors) / len(state.kept)
-    dropped, added = _candidates(state, limit, price * band.pull(), n_swaps)
+    dropped, added = _candidates(state, limit, price * band.pull(), n_swaps, movable)
     if not len(added) or not len(dropped):
         return False
     before, holes = state.errors, state.gaps[added, 0] > limit
@@ -173,13 +183,16 @@ def _effects(state: Neighborhoods, before: Vector, dropped: Indices, added: Indi
     return totals[: len(dropped)], -totals[len(dropped) :]
 
 
-def _candidates(state: Neighborhoods, limit: float, pull: Vector, n_wanted: int) -> tuple[Indices, Indices]:
+def _candidates(
+    state: Neighborhoods, limit: float, pull: Vector, n_wanted: int, movable: Mask | None
+) -> tuple[Indices, Indices]:
     """Rows to drop and rows to take on trial, each up to ``n_wanted`` (holes: all), none beside another."""
     owners = state.owners
     mass = np.bincount(owners, weights=state.errors, minlength=len(state.kept))
     reach = np.zeros(len(mass))
     np.maximum.at(reach, owners, state.gaps[:, 1])
     spare = np.flatnonzero(reach <= limit)
+    spare = spare if movable is None else spare[movable[state.kept[spare]]]
     blocked = np.zeros(len(mass), dtype=np.bool_)
     worth = mass - pull[state.kept]
     order = spare[np.argsort(worth[spare], kind="stable")[: _LOOK_AHEAD * n_wanted]]
@@ -187,7 +200,8 @@ def _candidates(state: Neighborhoods, limit: float, pull: Vector, n_wanted: int)
     dropped = state.kept[
         order[_apart(order, state.rings(state.kept[order], _RING), never, blocked, n_wanted)]
     ]
-    worst = _worst_of_each_cell(owners, state.gaps, state.errors, limit, state.errors.max(), len(mass))
+    takeable = np.ones(len(owners), dtype=np.bool_) if movable is None else movable
+    worst = _worst_of_each_cell(owners, takeable, state.gaps, state.errors, limit, len(mass))
     holes = state.gaps[worst, 0] > limit
     depth = np.where(holes, state.gaps[worst, 0], 0.0)
     order = np.lexsort((pull[worst] - mass[owners[worst]], -depth))[
@@ -214,11 +228,11 @@ def _apart(cells, rings, forced, blocked, n_wanted):
 
 
 @njit(cache=True, nogil=True)
-def _worst_of_each_cell(owners, gaps, errors, limit, above, n_cells):
-    """The most urgent original of every cell that is not at the place of its kept point."""
-    worst, most = np.full(n_cells, -1), np.full(n_cells, -1.0)
+def _worst_of_each_cell(owners, takeable, gaps, errors, limit, n_cells):
+    """The most urgent original of every cell that may be taken and is not at the place of its kept point."""
+    worst, most, above = np.full(n_cells, -1), np.full(n_cells, -1.0), errors.max()
     for i in range(len(owners)):
-        if gaps[i, 0] > 0:
+        if takeable[i] and gaps[i, 0] > 0:
             urgency = above + gaps[i, 0] if gaps[i, 0] > limit else errors[i]
             if urgency > most[owners[i]]:
                 worst[owners[i]], most[owners[i]] = i, urgency

@@ -1,0 +1,83 @@
+"""LAS, LAZ and COPC in parts (laspy): every dimension, header, record and coordinate reference system stays."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import laspy
+import numpy as np
+
+from lpcompare.io.las import check_header, keep_waveforms, largest_chunk, make_writable
+from lpcompare.io.rows import Damaged, check_held
+from lpcompare.large.streams import Append
+from lpcompare.types import Points
+
+
+def count_points(path: Path) -> int:
+    """How many points the header promises; raises `Damaged` where the file cannot hold them."""
+    check_header(path)
+    with laspy.open(str(path)) as reader:
+        if reader.header.are_points_compressed:
+            largest_chunk(path, reader.header)
+        return reader.header.point_count
+
+
+def note_on(path: Path) -> str:
+    """What a copy of some of the points leaves out."""
+    with laspy.open(str(path)) as reader:
+        tree = {record.user_id for record in reader.header.vlrs} & {"copc"}
+    return "a COPC becomes a plain LAZ" if tree else ""
+
+
+def read_rows(path: Path, start: int, stop: int) -> tuple[Points, laspy.ScaleAwarePointRecord]:
+    """Scaled coordinates of the points ``start`` to ``stop``, and their records."""
+    with laspy.open(str(path), laz_backend=laspy.LazBackend.Lazrs) as reader:
+        if start:
+            reader.seek(start)
+        records = reader.read_points(stop - start)
+    check_held("points", stop - start, len(records))
+    points = np.column_stack([np.asarray(records[axis], dtype=np.float64) for axis in "xyz"])
+    return points, records
+
+
+@contextmanager
+def writer(path: Path, source: Path, count: int) -> Iterator[Append]:
+    """Write the header of ``source``; records are appended and the counts of the header follow them."""
+    with laspy.open(str(source)) as reader:
+        header = copy.deepcopy(reader.header)
+        header.evlrs = reader.evlrs
+    make_writable(header)
+    how = {"do_compress": path.suffix.lower() == ".laz", "encoding_errors": "ignore", "closefd": False}
+    with path.open("wb") as out, laspy.LasWriter(out, header, **how) as las:
+
+        def append(other: Path, records: laspy.ScaleAwarePointRecord) -> None:
+            if records.point_format != header.point_format:
+                raise Damaged(f"{other.name} has another point format than {source.name}")
+            if (records.scales != header.scales).any() or (records.offsets != header.offsets).any():
+                records = _on_grid(other, records, header)
+            if len(records):
+                las.write_points(records)
+
+        yield append
+        if header.evlrs:
+            las.write_evlrs(header.evlrs)
+    keep_waveforms(source, path, header)
+
+
+def _on_grid(
+    other: Path, records: laspy.ScaleAwarePointRecord, header: laspy.LasHeader
+) -> laspy.ScaleAwarePointRecord:
+    """The records in the steps of the file that is written."""
+    records = laspy.ScaleAwarePointRecord(
+        records.array.copy(), records.point_format, records.scales, records.offsets
+    )
+    try:
+        records.change_scaling(header.scales, header.offsets)
+    except OverflowError as error:
+        raise Damaged(
+            f"{other.name} lies too far away for the steps of the first file; write to a folder instead"
+        ) from error
+    return records

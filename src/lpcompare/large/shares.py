@@ -1,0 +1,42 @@
+"""Whole numbers in proportion to weights, with an exact sum."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from lpcompare.types import Indices, Vector
+
+
+def largest_remainder(total: int, weights: Vector, most: Indices) -> Indices:
+    """Share ``total`` in proportion to weights, none above its limit.
+
+    Parameters
+    ----------
+    total : int
+        From 0 to the sum of ``most``.
+    weights : ndarray, shape (k,)
+        Not negative.
+    most : ndarray of int, shape (k,)
+
+    Returns
+    -------
+    ndarray of int, shape (k,)
+        Sums exactly to ``total``. What one cannot take is shared among the others; ties go to the first.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> largest_remainder(10, np.array([5.0, 3.0, 2.0]), np.array([3, 9, 9]))
+    array([3, 4, 3])
+    """
+    shares = np.zeros(len(most), dtype=np.intp)
+    while missing := total - int(shares.sum()):
+        open_weights = np.where(shares < most, weights, 0.0)
+        if open_weights.sum() <= 0:
+            open_weights = (most - shares).astype(np.float64)
+        wanted = missing * open_weights / open_weights.sum()
+        more = np.floor(wanted).astype(np.intp)
+        order = np.argsort(more - wanted, kind="stable")
+        more[order[: missing - int(more.sum())]] += 1
+        shares = np.minimum(shares + more, most)
+    return shares

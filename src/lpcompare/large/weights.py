@@ -1,0 +1,115 @@
+"""The weights that decide the local density of `lp_uniform`, and the budgets of tiles that follow from them.
+
+A power of the cost tilts the weights of each cluster so that their mean cost is the cluster's density. A sample
+gives the powers nearly, and one step of Newton's method with the sums of all points makes them exact enough.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from lpcompare.large.clusters import surface_of, tile_costs
+from lpcompare.large.job import Job
+from lpcompare.large.shares import largest_remainder
+from lpcompare.large.spacing import disk_counts, radius_of, trial_radii
+from lpcompare.large.tiles import Run, normalized, tile_tasks, uniform
+from lpcompare.types import Vector
+from lpcompare.uniform.cells import tilt_powers, weights_in
+
+_SAMPLE = 250_000
+
+
+def stages(job: Job, run: Run) -> None:
+    """Powers from a sample, powers from all points, budgets."""
+    run("weights", tile_tasks(job, sample, "weight_sample"))
+    if not job.path("powers").exists():
+        _find_powers(job)
+    run("tilts", tile_tasks(job, sum_tilted, "tilted"))
+    if not job.path("tilts").exists():
+        _correct_powers(job)
+    run("budgets", tile_tasks(job, sum_weights, "weight_sums"))
+    if not job.path("budgets").exists():
+        _share_budgets(job)
+
+
+def weighted(job: Job, tile: int) -> Vector:
+    """The weights of the points of a tile, up to a factor of the whole cloud."""
+    labels, costs = tile_costs(job, tile)
+    tilted = costs ** job.load("tilts")["powers"][labels] * job.load("budgets")["factors"][labels]
+    return _untilted(job, tile) * tilted
+
+
+def sample(job: Job, tile: int) -> None:
+    """Weights and costs of a seeded sample of a tile, and the sums of all weights of its clusters."""
+    rows = np.asarray(job.map_array("rows", tile))
+    drawn = uniform(rows, job.seed + 2) < _SAMPLE / job.n_points
+    labels, costs = tile_costs(job, tile)
+    weights = _untilted(job, tile)
+    sums = np.bincount(labels, weights, _n_clusters(job))
+    job.save(
+        "weight_sample", tile, weights=weights[drawn], labels=labels[drawn], costs=costs[drawn], sums=sums
+    )
+
+
+def _untilted(job: Job, tile: int) -> Vector:
+    whole = job.load("clusters")
+    surface, curvature = surface_of(job.map_array("surface", tile))
+    return weights_in(surface.areas, curvature, float(whole["mean_curvature"]), float(whole["smallest_area"]))
+
+
+def _n_clusters(job: Job) -> int:
+    return len(job.load("clusters")["counts"])
+
+
+def _find_powers(job: Job) -> None:
+    parts = [job.load("weight_sample", tile) for tile in range(job.n_tiles)]
+    weights, labels, costs = (np.concatenate([p[n] for p in parts]) for n in ("weights", "labels", "costs"))
+    powers = tilt_powers(weights, costs, labels, _n_clusters(job))
+    job.save("powers", powers=powers, sums=np.sum([p["sums"] for p in parts], axis=0), radii=trial_radii(job))
+
+
+def sum_tilted(job: Job, tile: int) -> None:
+    """What the clusters of a tile have too much of their density, and its slope over the power."""
+    labels, costs = tile_costs(job, tile)
+    tilted = _untilted(job, tile) * costs ** job.load("powers")["powers"][labels] * (costs - 1.0)
+    n_clusters = _n_clusters(job)
+    slopes = np.bincount(labels, tilted * np.log(costs), n_clusters)
+    job.save("tilted", tile, excess=np.bincount(labels, tilted, n_clusters), slopes=slopes)
+
+
+def _correct_powers(job: Job) -> None:
+    sums = {name: v.sum(axis=0) for name, v in job.gather("tilted", range(job.n_tiles)).items()}
+    steps = np.divide(
+        sums["excess"], sums["slopes"], out=np.zeros(_n_clusters(job)), where=sums["slopes"] > 0
+    )
+    job.save("tilts", powers=job.load("powers")["powers"] - np.clip(steps, -0.5, 0.5))
+
+
+def sum_weights(job: Job, tile: int) -> None:
+    """Tilted weights and weighted costs of the clusters of a tile, and disks that it would take."""
+    labels, costs = tile_costs(job, tile)
+    weights = _untilted(job, tile) * costs ** job.load("tilts")["powers"][labels]
+    points = normalized(job, job.map_array("points", tile))
+    job.save(
+        "weight_sums",
+        tile,
+        weights=np.bincount(labels, weights, _n_clusters(job)),
+        costs=np.bincount(labels, weights * costs, _n_clusters(job)),
+        points=len(labels),
+        disks=disk_counts(points, job.load("powers")["radii"], job.target_count / job.n_points),
+    )
+
+
+def _share_budgets(job: Job) -> None:
+    """Points of every tile, what each part of a cluster should have, and the radius of the hole limit."""
+    sums = job.gather("weight_sums", range(job.n_tiles))
+    tilted = sums["weights"].sum(axis=0)
+    factors = np.divide(job.load("powers")["sums"], tilted, out=np.ones(len(tilted)), where=tilted > 0)
+    weights = sums["weights"] * factors
+    totals = weights.sum(axis=1)
+    budgets = largest_remainder(job.target_count, totals, sums["points"])
+    means = np.divide(sums["costs"], sums["weights"], out=np.ones_like(weights), where=weights > 0)
+    shares = np.divide(weights, totals[:, None], out=np.zeros_like(weights), where=totals[:, None] > 0)
+    radius = radius_of(job.target_count, job.load("powers")["radii"], sums["disks"].sum(axis=0))
+    counts = budgets[:, None] * shares
+    job.save("budgets", budgets=budgets, means=means, counts=counts, factors=factors, radius=radius)

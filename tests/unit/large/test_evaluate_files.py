@@ -1,0 +1,37 @@
+"""`evaluate_files`: the figures of the whole clouds, whatever the tiles."""
+
+import numpy as np
+import pytest
+
+import lpcompare
+from lpcompare.errors import InputError
+
+QUICK = ["plane_error", "mean_distance", "hausdorff", "normal_deviation"]
+
+
+@pytest.mark.parametrize("n_tiles", [1, 6, 25])
+def test_figures_are_those_in_memory(sheet, files, tmp_path, n_tiles):
+    rng = np.random.default_rng(1)
+    reduced = sheet[np.sort(rng.choice(len(sheet), 400, replace=False))]
+    reduced = np.append(reduced, sheet.mean(axis=0, keepdims=True) + 3, axis=0)  # and one off the surface
+    np.save(tmp_path / "thin.npy", reduced)
+    known = lpcompare.evaluate(sheet, reduced, metrics=QUICK)
+    found = lpcompare.evaluate_files(files[".npy"], tmp_path / "thin.npy", n_tiles=n_tiles)
+    assert set(found) == set(known) - {"mean_distance_backward_pct"}
+    for name, value in found.items():
+        assert value == pytest.approx(known[name], rel=1e-9), name
+    assert list(tmp_path.iterdir()) == [tmp_path / "thin.npy"]
+
+
+@pytest.mark.parametrize("n_kept", [1, 2, 5])
+def test_a_few_points_are_enough(sheet, files, tmp_path, n_kept):
+    np.save(tmp_path / "thin.npy", sheet[:: len(sheet) // n_kept][:n_kept])
+    known = lpcompare.evaluate(sheet, np.load(tmp_path / "thin.npy"), metrics=QUICK[:1])
+    found = lpcompare.evaluate_files(files[".npy"], tmp_path / "thin.npy", n_tiles=4)
+    assert found["plane_error_pct"] == pytest.approx(known["plane_error_pct"], rel=1e-9)
+
+
+def test_a_cloud_without_extent_has_no_diagonal(tmp_path):
+    np.save(tmp_path / "one.npy", np.ones((20, 3)))
+    with pytest.raises(InputError, match="no extent"):
+        lpcompare.evaluate_files(tmp_path / "one.npy", tmp_path / "one.npy")
