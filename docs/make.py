@@ -116,8 +116,15 @@ def reach() -> Iterator[str]:
     yield from ("All cases:", "", *study["summary"](cases))
     for method in ("lp_uniform", "lp_placed"):
         yield from ("", f"`{method}` by reduction:", "", *study["by_reduction"](cases, method))
-    yield from ("", "`lp_uniform` against methods that have the mesh: the number of cases where it is below, and in")
-    yield from ("brackets the geometric mean of the ratio.", "", *study["against_meshes"](cases, "lp_uniform"))
+    yield from (
+        "",
+        "`lp_uniform` against methods that have the mesh: the number of cases where it is below, and in",
+    )
+    yield from (
+        "brackets the geometric mean of the ratio.",
+        "",
+        *study["against_meshes"](cases, "lp_uniform"),
+    )
 
 
 def uniform() -> Iterator[str]:
@@ -208,7 +215,8 @@ def models() -> Iterator[str]:
 
 
 PARTS = {
-    f.__name__: f for f in (choice, inputs, reach, uniform, times, bunny, claims, command, python, metrics, models)
+    f.__name__: f
+    for f in (choice, inputs, reach, uniform, times, bunny, claims, command, python, metrics, models)
 }
 
 

@@ -78,7 +78,9 @@ def make(name: str, commands: list[Words], models: Path) -> float:
     """Run the commands of a step, keep what is committed of it, and return the seconds."""
     began = time.monotonic()
     for words in commands:
-        subprocess.run(words, cwd=ROOT, check=True, env={**os.environ, "LPCOMPARE_MODELS": str(models / "upstream")})
+        subprocess.run(
+            words, cwd=ROOT, check=True, env={**os.environ, "LPCOMPARE_MODELS": str(models / "upstream")}
+        )
     for file in KEPT if name in ("bunny", "methods") else ():
         shutil.copy(LOCAL / name / file, ROOT / "reports" / name / file)
     return time.monotonic() - began
