@@ -51,6 +51,8 @@ def test_tiles_are_taken_by_themselves_where_memory_is_short(scan, tmp_path):
 
 
 def test_a_url_is_fetched_once(scan, tmp_path):
+    pytest.importorskip("fsspec")
+    pytest.importorskip("aiohttp")
     requests = []
 
     class Handler(http.server.SimpleHTTPRequestHandler):
@@ -112,6 +114,8 @@ def test_sizes():
 
 @pytest.mark.parametrize("options", [[], ["--workers", "1"]])
 def test_ctrl_c_leaves_nothing_running_and_names_the_folder(scan, tmp_path, options):
+    if options:
+        pytest.importorskip("distributed")
     command = [
         sys.executable,
         "-m",

@@ -58,7 +58,7 @@ class Large:
             return False
         try:
             return in_memory_bytes(method, count_points(path)) > self.memory_bytes
-        except InputError:  # the reader of whole files says better what is wrong with it
+        except (InputError, OSError):  # the reader of whole files says better what is wrong with it
             return False
 
 
