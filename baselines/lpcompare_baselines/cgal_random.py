@@ -40,6 +40,7 @@ def cgal_random(points: Points, target_count: int, *, rng: np.random.Generator) 
     """
     order = rng.permutation(len(points))
     cloud = point_set(points[order])
-    random_simplify_point_set(cloud, 100 * max(len(points) - target_count, 0) / len(points))
+    # CGAL cuts the number that stays down to an integer: half a point more leaves the right one
+    random_simplify_point_set(cloud, 100 * max(len(points) - target_count - 0.5, 0) / len(points))
     indices = np.sort(order[rows_of(cloud)])
     return Simplification(points[indices], indices)
