@@ -13,6 +13,7 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 from statistics import geometric_mean
+from typing import Any
 
 import typer
 from typer.testing import CliRunner
@@ -88,10 +89,15 @@ def choice() -> Iterator[str]:
     yield f"a plain installation take part. From [reports/methods](../reports/methods/README.md), made {_day(run)}."
 
 
+def _uniform() -> tuple[dict[str, Any], dict[Any, Any]]:
+    """The functions of reports/uniform/ratios.py, and the cases of the study."""
+    study = runpy.run_path(str(REPORTS / "uniform" / "ratios.py"))
+    return study, study["read"](REPORTS / "uniform" / "records.csv")
+
+
 def inputs() -> Iterator[str]:
     """How the two methods of ours do on each kind of cloud, from reports/uniform."""
-    study = runpy.run_path(str(REPORTS / "uniform" / "ratios.py"))
-    cases = study["read"](REPORTS / "uniform" / "records.csv")
+    study, cases = _uniform()
     keys = ("plane_error_pct", "surface_distance_pct", "hausdorff_pct")
     found = {m: study["ratios"](cases, m) for m in ("lp_uniform", "lp_placed")}
     rows = []
@@ -111,8 +117,7 @@ def inputs() -> Iterator[str]:
 
 def reach() -> Iterator[str]:
     """What our two methods reach, from reports/uniform."""
-    study = runpy.run_path(str(REPORTS / "uniform" / "ratios.py"))
-    cases = study["read"](REPORTS / "uniform" / "records.csv")
+    study, cases = _uniform()
     yield from ("All cases:", "", *study["summary"](cases))
     for method in ("lp_uniform", "lp_placed"):
         yield from ("", f"`{method}` by reduction:", "", *study["by_reduction"](cases, method))
@@ -129,8 +134,7 @@ def reach() -> Iterator[str]:
 
 def uniform() -> Iterator[str]:
     """All tables of reports/uniform."""
-    study = runpy.run_path(str(REPORTS / "uniform" / "ratios.py"))
-    cases = study["read"](REPORTS / "uniform" / "records.csv")
+    study, cases = _uniform()
     yield from reach()
     for method in ("lp_uniform", "lp_placed"):
         yield from ("", f"## `{method}`, case by case", "", *study["by_case"](cases, method))
@@ -201,7 +205,7 @@ def metrics() -> Iterator[str]:
     yield from markdown_table(
         ["metric", "column", "what it is", "unit", "better", "follows from"], rows, "---"
     )
-    slow = [name for name in METRICS if getattr(METRICS.module(name), "COST", "") == "slow"]
+    slow = [name for name in METRICS if name not in METRICS.quick]
     yield f"\nSlow, and only on request (`--metric NAME`): {', '.join(f'`{name}`' for name in slow)}."
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import ast
 import inspect
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from importlib import import_module
@@ -135,10 +135,19 @@ class Registry:
             return traits
         raise InputError(f"{self.kind} {name!r} has no line 'TRAITS = Traits(...)'; add one to its file.")
 
-    def is_slow(self, name: str) -> bool:
-        """Whether a metric's file has the line ``COST = "slow"``; it is not imported."""
+    @cached_property
+    def quick(self) -> tuple[str, ...]:
+        """The names whose files have no line ``COST = "slow"``; nothing is imported."""
+        return tuple(name for name in self if not self._is_slow(name))
+
+    def _is_slow(self, name: str) -> bool:
         lines = [ast.unparse(node) for node in self._tree(name).body if isinstance(node, ast.Assign)]
         return "COST = 'slow'" in lines
+
+    def check_names(self, names: Iterable[str]) -> None:
+        """Refuse names of plug-ins that do not exist; raises `UnknownName`."""
+        for name in names:
+            self._home(name)
 
     def missing(self, name: str) -> str:
         """Why a method cannot run here, or an empty string; imports nothing of the method's."""

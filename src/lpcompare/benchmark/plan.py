@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -13,7 +13,6 @@ from lpcompare.benchmark.perturbation import CLEAN, Perturbation
 from lpcompare.benchmark.record import printable
 from lpcompare.checks import check_integer, check_number
 from lpcompare.errors import InputError, UnknownName
-from lpcompare.registry import METHODS
 
 PROTOCOLS = ("equal-count", "as-printed")
 REFERENCE = "lp_printed"
@@ -173,10 +172,3 @@ def seed_entropy(seed: int, repeat: int, method: str, model: str) -> list[int]:
     """
     names = (hashlib.sha256(name.encode("utf-8", "surrogateescape")).digest()[:8] for name in (method, model))
     return [seed, repeat, *(int.from_bytes(name, "big") for name in names)]
-
-
-def check_names(methods: Iterable[str]) -> None:
-    """Refuse methods that do not exist; raises `UnknownName`."""
-    for name in methods:
-        if name not in METHODS:
-            raise UnknownName(METHODS.kind, name, METHODS)

@@ -33,7 +33,7 @@ import msgspec
 
 from lpcompare.benchmark.environment import physical_memory_mib
 from lpcompare.benchmark.perturbation import CLEAN, Perturbation
-from lpcompare.benchmark.plan import Plan, Variant, check_names
+from lpcompare.benchmark.plan import Plan, Variant
 from lpcompare.errors import InputError, UnknownName
 from lpcompare.registry import METHODS, METRICS
 from lpcompare.threads import thread_count
@@ -159,11 +159,8 @@ def choose_metrics(asked: Iterable[str]) -> tuple[str, ...]:
     asked = set(asked)
     if "all" in asked:
         return METRICS.names()
-    for name in asked:
-        if name not in METRICS:
-            raise UnknownName(METRICS.kind, name, METRICS)
-    quick = (name for name in METRICS if not METRICS.is_slow(name))
-    return tuple(sorted({*quick, *asked}))
+    METRICS.check_names(asked)
+    return tuple(sorted({*METRICS.quick, *asked}))
 
 
 def variants(methods: Iterable[str] | None, settings: Mapping[str, Mapping[str, Any]]) -> tuple[Variant, ...]:
@@ -175,7 +172,7 @@ def variants(methods: Iterable[str] | None, settings: Mapping[str, Mapping[str, 
         A method or setting that does not exist, or settings of a method that is not part of the study.
     """
     methods = choose_methods(methods)
-    check_names((*methods, *settings))
+    METHODS.check_names((*methods, *settings))
     for method in settings:
         if method not in methods:
             raise InputError(f"There are settings for {method}, which is not part of the study.")

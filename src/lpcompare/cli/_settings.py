@@ -6,7 +6,7 @@ import tomllib
 from collections.abc import Iterable
 from typing import Any
 
-from lpcompare.errors import InputError, UnknownName
+from lpcompare.errors import InputError
 from lpcompare.registry import METHODS
 
 
@@ -29,8 +29,7 @@ def parse_assignments(assignments: Iterable[str], methods: Iterable[str]) -> dic
         method, dot, name = target.strip().partition(".")
         if not (equals and dot and method and name and word.isprintable()):
             raise InputError(f"--set {word!r} is not of the form method.setting=value.")
-        if method not in METHODS:
-            raise UnknownName(METHODS.kind, method, METHODS)
+        METHODS.check_names([method])
         if method not in methods:
             raise InputError(f"--set {word!r}: {method} is not part of this run ({', '.join(methods)}).")
         parsed.setdefault(method, {})[name] = _value(text.strip())

@@ -66,8 +66,11 @@ def evaluate(
     (0.0, True)
     """
     comparison = Comparison(_coordinates(cloud), _coordinates(result))
-    quick = [name for name in METRICS if not METRICS.is_slow(name)]
-    return {key: value for name in metrics or quick for key, value in METRICS.get(name)(comparison).items()}
+    return {
+        key: value
+        for name in metrics or METRICS.quick
+        for key, value in METRICS.get(name)(comparison).items()
+    }
 
 
 def _coordinates(cloud: Any) -> Points:
