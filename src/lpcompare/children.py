@@ -46,7 +46,7 @@ _PYTHON_KEPT = (
     "PYTHONUSERBASE",
 )
 _MARK = "LPCOMPARE_CHILD"
-_NURSERY_S, _END_S = 0.5, 5.0
+_NURSERY_S = 0.5
 _PREFIX, _NEW, _NEW_SECONDS = "lpcompare-", "lpcompare-new-", 600
 
 
@@ -100,7 +100,7 @@ class Children:
             self._nursery.close()
 
     def prepare(self, module: str, *arguments: object, threads: int | None = None) -> None:
-        """Let one process import a module and call its ``prepare``, for the children of `call`.
+        """Let one process import a module and call its ``prepare`` before the first child of `call`.
 
         Parameters
         ----------
@@ -209,13 +209,16 @@ class Children:
 
 
 class Nursery:
-    """The process that children are forked from (`lpcompare.nursery`); another one where it was killed."""
+    """The process that children are forked from (`lpcompare.nursery`), started when the first one is wanted.
+
+    Where it was killed, another one is started.
+    """
 
     def __init__(self, module: str, arguments: Sequence[object], threads: int | None) -> None:
         self._words, self._threads = [module, json.dumps(arguments)], threads
         self._lock = Lock()
         self._guards: set[int] = set()
-        self._start()
+        self._process: subprocess.Popen[bytes] | None = None
 
     def _start(self) -> None:
         self._orders, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
@@ -236,6 +239,8 @@ class Nursery:
         ours, theirs = socket.socketpair()
         with theirs, self._lock:
             message = [json.dumps(order).encode()]
+            if self._process is None:
+                self._start()
             try:
                 socket.send_fds(self._orders, message, [theirs.fileno()])
             except OSError:  # it was killed
@@ -257,15 +262,14 @@ class Nursery:
     def _end_left(self) -> None:
         """End what a killed guard has left, where the process that would do so was killed too."""
         with suppress(subprocess.TimeoutExpired):
-            self._process.wait(_NURSERY_S)
+            if self._process:
+                self._process.wait(_NURSERY_S)
             _end_marked(self._mark, self._guards)
 
     def close(self) -> None:
-        """End it; children that are being watched are ended by their guards."""
-        self._orders.close()
-        try:
-            self._process.wait(_END_S)
-        except subprocess.TimeoutExpired:
+        """End it, if it was started; children that are being watched are ended by their guards."""
+        if self._process:
+            self._orders.close()
             self._process.kill()
             self._process.wait()
 

@@ -23,7 +23,7 @@ from typing import IO, Any, NoReturn
 _LINUX = sys.platform == "linux"
 _ANSWER_BYTES, _ERROR_BYTES = 4 * 2**20, 2**16
 _LOOK_S, _END_S = 0.2, 4.0
-_PR_SET_PDEATHSIG, _PR_SET_CHILD_SUBREAPER = 1, 36
+PR_SET_PDEATHSIG, PR_SET_CHILD_SUBREAPER = 1, 36
 
 
 class Tail(threading.Thread):
@@ -115,11 +115,9 @@ def guard(
     work : callable, optional
         What a forked child does; by default the child runs the command.
     """
-    system = ctypes.CDLL(None) if _LINUX else None
-    if system:
-        system.prctl(_PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
+    prctl(PR_SET_CHILD_SUBREAPER, 1)
     try:
-        child = _start(order, system, work)
+        child = _start(order, work)
     except OSError as error:
         _tell(tell, 127, "", "", str(error))
     answer, errors = Tail(child.stdout, _ANSWER_BYTES), Tail(child.stderr, _ERROR_BYTES)  # type: ignore[arg-type]
@@ -141,12 +139,15 @@ def _tell(
     os._exit(0)
 
 
-def _start(
-    order: dict[str, Any], system: Any, work: Callable[[], object] | None
-) -> subprocess.Popen[bytes] | Forked:
+def prctl(option: int, value: int) -> None:
+    """Set what Linux does with this process; other systems have no such thing."""
+    if _LINUX:
+        ctypes.CDLL(None).prctl(option, value, 0, 0, 0)
+
+
+def _start(order: dict[str, Any], work: Callable[[], object] | None) -> subprocess.Popen[bytes] | Forked:
     def limits() -> None:
-        if system:
-            system.prctl(_PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
+        prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
         limit_memory(order["memory_limit_mib"])
 
     if work:

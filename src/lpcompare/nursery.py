@@ -4,7 +4,6 @@
 the guard forks the child. It ends when the process that started it is gone.
 """
 
-import ctypes
 import gc
 import json
 import os
@@ -22,21 +21,19 @@ from lpcompare import guard
 
 _LOOK_S = 0.2
 _MESSAGE_BYTES = 2**16
-_PR_SET_PDEATHSIG, _PR_SET_CHILD_SUBREAPER = 1, 36
 
 
 def main() -> None:
     """Prepare the module that the second argument names with the third; fork a guard for each order."""
-    system = ctypes.CDLL(None)
-    system.prctl(_PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)  # the end of ``orders`` is looked at later
+    guard.prctl(guard.PR_SET_PDEATHSIG, signal.SIGKILL)  # the end of ``orders`` is looked at later
     orders = socket.socket(fileno=int(sys.argv[1]))
     module = import_module(sys.argv[2])
     with suppress(Exception):  # a child meets the same, and has a row for it
         module.prepare(*json.loads(sys.argv[3]))
     gc.collect()
     gc.freeze()
-    system.prctl(_PR_SET_PDEATHSIG, 0, 0, 0, 0)
-    system.prctl(_PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
+    guard.prctl(guard.PR_SET_PDEATHSIG, 0)
+    guard.prctl(guard.PR_SET_CHILD_SUBREAPER, 1)
     guards: set[int] = set()
     while True:
         ready = select.select([orders], [], [], _LOOK_S if guards else None)[0]

@@ -20,8 +20,6 @@ from typing import Any, BinaryIO
 
 import msgspec
 import numpy as np
-from highspy import Highs
-from threadpoolctl import threadpool_limits
 
 from lpcompare.benchmark.case import Answer, Request
 from lpcompare.benchmark.environment import library
@@ -86,6 +84,9 @@ def prepare(methods: Sequence[str], metrics: Sequence[str]) -> None:
 
     What a rival imports, its own process imports: a library may start threads, which no fork takes along.
     """
+    from highspy import Highs
+    from threadpoolctl import threadpool_limits
+
     cloud = _torus()
     with threadpool_limits(1):
         comparison = Comparison(cloud.points, cloud.points[::8])
