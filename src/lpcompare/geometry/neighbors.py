@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,6 +56,12 @@ class Neighbors:
         below = range(2**n_top - 1, 2 ** (n_top + 1) - 1)
         map_in_threads(lambda node: build_tree(*state, node, n_levels - n_top), below)
         self.leaves = np.append(starts[len(starts) // 2 :, 0], n_points)
+
+    def in_rows(self, values: NDArray[Any]) -> NDArray[Any]:
+        """Values (n, ...) by place of the tree as values by row of the cloud."""
+        result = np.empty_like(values)
+        result[self.order] = values
+        return result
 
     def query(self, queries: Points, n_neighbors: int) -> tuple[NDArray[np.float64], Indices]:
         """Nearest rows of the cloud for each query point.

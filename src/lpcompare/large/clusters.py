@@ -14,30 +14,31 @@ from lpcompare.large.tiles import Around, Run, around, normalized, spilling, tak
 from lpcompare.paper.cluster_count import AUTO, check_n_clusters, choose_n_clusters
 from lpcompare.paper.clustering import Mixture, assign, cluster_points
 from lpcompare.paper.curvature import Curvature
+from lpcompare.paper.density import NEAREST
 from lpcompare.types import Indices, Points, Vector
 
 _PROBED = 4096
 _FARTHEST = 0.999
 _MARGIN = 1.5
-_NEAREST = 1e-3
-"""As `lpcompare.paper.density.inverse_distance_costs` has it."""
 _NO_POINTS: Points = np.empty((0, 3))
 
 
 def stages(job: Job, run: Run) -> None:
     """Surface and cluster of every point; centroids, densities and curvature of every cluster."""
     spilling(job, run)
-    if not job.path("mixture").exists():
-        _fit(job)
+    job.once("mixture", _fit)
     run("curvature", tile_tasks(job, measure, "measured"))
-    if not job.path("clusters").exists():
-        _find_centroids(job)
+    job.once("clusters", _find_centroids)
     run("densities", tile_tasks(job, sum_inverse_distances, "inverse"))
-    if not job.path("densities").exists():
-        sums = job.gather("inverse", range(job.n_tiles))["sums"].sum(axis=0)
-        counts = job.load("clusters")["counts"]
-        means = np.divide(sums, counts, out=np.ones(len(sums)), where=(counts > 0) & (sums > 0))
-        job.save("densities", means=means)
+    job.once("densities", _find_densities)
+
+
+def _find_densities(job: Job) -> None:
+    """Mean inverse distance of every cluster (eq. 12)."""
+    sums = job.gather("inverse", range(job.n_tiles))["sums"].sum(axis=0)
+    counts = job.load("clusters")["counts"]
+    means = np.divide(sums, counts, out=np.ones(len(sums)), where=(counts > 0) & (sums > 0))
+    job.save("densities", means=means)
 
 
 def _fit(job: Job) -> None:
@@ -68,9 +69,7 @@ def measure(job: Job, tile: int) -> None:
         tree = Neighbors(points)
         surface = estimate_surface(tree, n_neighbors)
         curvature = Curvature(*surface.curvatures.T).absolute
-        in_order = np.empty((len(points), 5))
-        in_order[tree.order] = np.column_stack([surface.normals, surface.areas, curvature])
-        values = in_order[:n_own]
+        values = tree.in_rows(np.column_stack([surface.normals, surface.areas, curvature]))[:n_own]
     k = len(job.load("mixture")["weights"])
     job.save_array("labels", tile, labels.astype(np.int16))
     job.save_array("surface", tile, values)
@@ -143,7 +142,7 @@ def _inverse_distances(job: Job, tile: int, labels: Indices) -> Vector:
     clusters = job.load("clusters")
     points = normalized(job, job.map_array("points", tile))
     distances = np.linalg.norm(points - clusters["centroids"][labels], axis=1)
-    least = _NEAREST * np.where(clusters["radii"] > 0, clusters["radii"], np.inf)[labels]
+    least = NEAREST * np.where(clusters["radii"] > 0, clusters["radii"], np.inf)[labels]
     return np.where(np.isfinite(least), 1.0 / np.maximum(distances, least), 1.0)
 
 

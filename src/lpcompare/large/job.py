@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from pathlib import Path
@@ -93,6 +93,11 @@ class Job:
             if number is not None or not path.exists()
             else _of_the_whole(path, _state(path))
         )
+
+    def once(self, name: str, make: Callable[[Job], None]) -> None:
+        """Call ``make``, which saves the result ``name`` of the whole cloud, unless it is there."""
+        if not self.path(name).exists():
+            make(self)
 
     def save_array(self, name: str, number: int, array: NDArray[Any]) -> None:
         """Write one array that `map_array` reads in parts."""

@@ -18,6 +18,7 @@ from lpcompare.large.job import Job
 from lpcompare.large.tiles import Run, tile_tasks
 from lpcompare.paper.budget import allocate_budget, split_budget
 from lpcompare.paper.certificate import DensityGoal
+from lpcompare.paper.features import above_means
 from lpcompare.paper.program import Program, SolverSettings, select
 from lpcompare.paper.start import one_per_stratum
 from lpcompare.types import Indices, Mask
@@ -31,8 +32,7 @@ def stages(job: Job, run: Run) -> None:
     """Count features and costs, share the budgets, solve."""
     clusters.stages(job, run)
     run("features", tile_tasks(job, count_features, "features"))
-    if not job.path("budgets").exists():
-        share_budgets(job)
+    job.once("budgets", share_budgets)
     run("selection", tile_tasks(job, choose, "chosen"))
 
 
@@ -73,8 +73,7 @@ def count_features(job: Job, tile: int) -> None:
 
 def _features(job: Job, tile: int, labels: Indices) -> Mask:
     """Points more curved than the mean of their cluster, with the forgiveness of `feature_mask`."""
-    means = job.load("clusters")["curvature"]
-    return job.map_array("surface", tile)[:, 4] > (means * (1 + 1e-9) + 1e-7)[labels]
+    return above_means(job.map_array("surface", tile)[:, 4], job.load("clusters")["curvature"], labels)
 
 
 def _bins(costs: NDArray[np.float64]) -> Indices:

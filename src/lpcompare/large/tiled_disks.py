@@ -30,11 +30,9 @@ from lpcompare.uniform.disks import keep_disks
 def stages(job: Job, run: Run) -> None:
     """Count disks at some radii, choose the radius, keep by color."""
     spilling(job, run)
-    if not job.path("radii").exists():
-        job.save("radii", radii=trial_radii(job))
+    job.once("radii", _foresee_radii)
     run("counting", tile_tasks(job, count, "disks"))
-    if not job.path("radius").exists():
-        _find_radius(job)
+    job.once("radius", _find_radius)
     save_turns(job, float(job.load("radius")["radius"]))
     run("selection", tile_tasks(job, keep, "chosen", in_turns=True))
 
@@ -42,6 +40,10 @@ def stages(job: Job, run: Run) -> None:
 def summary(job: Job) -> dict[str, Any]:
     """The radius, in model units."""
     return {"radius": float(job.load("radius")["radius"])}
+
+
+def _foresee_radii(job: Job) -> None:
+    job.save("radii", radii=trial_radii(job))
 
 
 def _find_radius(job: Job) -> None:

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from lpcompare.large.job import Job
-from lpcompare.large.tasks import Task
-from lpcompare.large.tiles import Run, uniform, valid_points
+from lpcompare.large.tiles import Run, block_tasks, uniform, valid_points
 
 _STEPS = 53
 """Bits of a number."""
@@ -14,7 +13,7 @@ _STEPS = 53
 
 def stages(job: Job, run: Run) -> None:
     """Sort the rows of every block by their numbers, find the number up to which all are kept, keep."""
-    run("sorting", [Task(draw, b.number, job.path("drawn", b.number)) for b in job.blocks])
+    run("sorting", block_tasks(job, draw, "drawn"))
     numbers = [job.map_array("numbers", block.number) for block in job.blocks]
     low, high = 0, 2**_STEPS
     while low < high:
@@ -22,7 +21,7 @@ def stages(job: Job, run: Run) -> None:
         found = sum(int(np.searchsorted(part, middle * 2.0**-_STEPS, "right")) for part in numbers)
         low, high = (low, middle) if found >= job.target_count else (middle + 1, high)
     job.save("threshold", number=low * 2.0**-_STEPS)
-    run("selection", [Task(keep, b.number, job.path("chosen", b.number)) for b in job.blocks])
+    run("selection", block_tasks(job, keep, "chosen"))
 
 
 def draw(job: Job, number: int) -> None:

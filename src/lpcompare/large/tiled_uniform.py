@@ -12,6 +12,7 @@ Small parts miss it in the swaps; the programs then aim at what brings the whole
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -32,16 +33,12 @@ from lpcompare.large.tiles import (
     tiles_before,
 )
 from lpcompare.types import Indices, Mask, Points, Vector
-from lpcompare.uniform.cells import blue_noise_centers
-from lpcompare.uniform.clusters import ClusterDensity, fill_up, solve_programs
+from lpcompare.uniform.clusters import BAND, ClusterDensity, best_of_cells, solve_programs
 from lpcompare.uniform.densities import DensityBand
 from lpcompare.uniform.program import Stop
-from lpcompare.uniform.quadrics import cheapest_of_each, tangent_quadrics
 from lpcompare.uniform.rims import Rims, find_rims
 from lpcompare.uniform.swaps import EMPHASES, swap_points
 
-_SPREAD = 0.05
-_BAND = 0.8
 _AIM = 0.5
 """Share of the tolerance that the programs aim at where swaps left a density outside; parts may miss it."""
 _HALO = 4.0
@@ -55,8 +52,7 @@ def stages(job: Job, run: Run) -> None:
     run("cells", tile_tasks(job, spread, "cells"))
     save_turns(job, 2 * _halo(job) * float(job.load("whole")["scale"]))
     run("swaps", tile_tasks(job, swap, "swapped", in_turns=True))
-    if not job.path("deviations").exists():
-        _find_deviations(job, "swapped", "deviations")
+    job.once("deviations", partial(_find_deviations, name="swapped", result="deviations"))
     run("selection", tile_tasks(job, choose, "chosen"))
 
 
@@ -114,24 +110,17 @@ def _rims_of(points: Points, surface: Surface, n_own: int, n_keep: int) -> Rims:
 
 def _in_tree(rims: Rims, tree: Neighbors) -> Rims:
     """Rims by their places in a tree, in its order."""
-    places = _places(tree)[rims.rows]
+    places = tree.in_rows(np.arange(len(tree.order)))[rims.rows]
     order = np.argsort(places)
     return Rims(places[order], rims.directions[order], rims.areas[order])
 
 
-def _places(tree: Neighbors) -> Indices:
-    places = np.empty(len(tree.order), dtype=np.intp)
-    places[tree.order] = np.arange(len(places))
-    return places
-
-
 def _cells(tree: Neighbors, surface: Surface, rims: Rims, shares: Vector, n_keep: int) -> Indices:
     """The row of the best point of each blue-noise cell, ascending."""
-    points, surface = tree.sorted_points, _ordered(surface, tree.order)
-    centers = blue_noise_centers(tree, shares[tree.order], n_keep)
-    quadrics = tangent_quadrics(points, surface, _in_tree(rims, tree), centers)
-    chosen = cheapest_of_each(quadrics.costs(points, _SPREAD), quadrics.owners, n_keep)
-    return np.sort(tree.order[fill_up(points, chosen[chosen >= 0], n_keep)].astype(np.intp))
+    ordered, own_rims = _ordered(surface, tree.order), _in_tree(rims, tree)
+    return np.sort(
+        tree.order[best_of_cells(tree, ordered, own_rims, shares[tree.order], n_keep)].astype(np.intp)
+    )
 
 
 class _Scene(NamedTuple):
@@ -206,7 +195,7 @@ def _band(job: Job, tile: int, scene: _Scene) -> DensityBand:
     """The band of every part of a cluster about the sum of costs that the weights foresee for it."""
     budgets = job.load("budgets")
     offsets = np.append(-budgets["counts"][tile] * (budgets["means"][tile] - 1.0), 0.0)
-    tolerance = _BAND * float(job.settings["density_tolerance"])
+    tolerance = BAND * float(job.settings["density_tolerance"])
     return DensityBand(scene.density.labels, scene.density.costs, tolerance, offsets)
 
 
@@ -249,7 +238,7 @@ def _solve(job: Job, tile: int, scene: _Scene, kept: Indices) -> Indices:
     counts = np.bincount(labels[kept], minlength=len(deviations))
     means = np.bincount(labels[kept], costs[kept], len(deviations)) / np.maximum(counts, 1)
     targets = np.append(np.where(counts > 0, np.maximum(means - deviations + inside, 1e-3), 1.0), 1.0)
-    narrow = np.append(_BAND - np.abs(inside) / tolerance, 1.0) if tolerance else np.ones(len(targets))
+    narrow = np.append(BAND - np.abs(inside) / tolerance, 1.0) if tolerance else np.ones(len(targets))
     scaled = _about(scene.density, targets, narrow)
     known = np.asarray(job.map_array("rims", tile))
     rims = _in_tree(Rims(known[:, 0].astype(np.intp), known[:, 1:4].copy(), known[:, 4].copy()), scene.tree)

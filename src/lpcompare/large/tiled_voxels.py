@@ -12,7 +12,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from lpcompare.large.job import Job
-from lpcompare.large.tasks import Task
 from lpcompare.large.tiles import Run, around, spilling, take, tile_tasks
 from lpcompare.types import Indices, Mask, Points
 from lpcompare_baselines._calibration import search_size, surface_spacing
@@ -40,7 +39,7 @@ def _count(job: Job, run: Run, edge: float) -> int:
     """Occupied cubes of the whole cloud."""
     name = f"cubes-{edge.hex()}"
     task = partial(count_cubes, name=name, edge=edge)
-    run("calibration", [Task(task, tile, job.path(name, tile)) for tile in range(job.n_tiles)])
+    run("calibration", tile_tasks(job, task, name))
     return int(job.gather(name, range(job.n_tiles))["count"].sum())
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -141,6 +142,11 @@ def collect(job: Job, number: int) -> None:
     job.save("box", number, count=len(every), low=edges[0], high=edges[1])
 
 
+def block_tasks(job: Job, function: Callable[[Job, int], None], name: str) -> list[Task]:
+    """One task for every block, which leaves the result ``name``."""
+    return [Task(function, block.number, job.path(name, block.number)) for block in job.blocks]
+
+
 def tile_tasks(
     job: Job,
     function: Callable[[Job, int], None],
@@ -158,15 +164,14 @@ def tile_tasks(
 
 def reading(job: Job, run: Run, cuts: NDArray[np.float64] | None = None) -> None:
     """The stage after which the sample and the cut, unless it is given, are known."""
-    run("reading", [Task(survey, b.number, job.path("survey", b.number)) for b in job.blocks])
-    if not job.path("whole").exists():
-        whole(job, cuts)
+    run("reading", block_tasks(job, survey, "survey"))
+    job.once("whole", partial(whole, cuts=cuts))
 
 
 def spilling(job: Job, run: Run) -> None:
     """The stages after which every tile is on disk."""
     if not job.path("boxes").exists():
-        run("spilling", [Task(spill, b.number, job.path("block_starts", b.number)) for b in job.blocks])
+        run("spilling", block_tasks(job, spill, "block_starts"))
         run("sorting", tile_tasks(job, collect, "box"))
         job.save("boxes", **job.gather("box", range(job.n_tiles)))
     for block in job.blocks:

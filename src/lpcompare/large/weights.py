@@ -22,14 +22,11 @@ _SAMPLE = 250_000
 def stages(job: Job, run: Run) -> None:
     """Powers from a sample, powers from all points, budgets."""
     run("weights", tile_tasks(job, sample, "weight_sample"))
-    if not job.path("powers").exists():
-        _find_powers(job)
+    job.once("powers", _find_powers)
     run("tilts", tile_tasks(job, sum_tilted, "tilted"))
-    if not job.path("tilts").exists():
-        _correct_powers(job)
+    job.once("tilts", _correct_powers)
     run("budgets", tile_tasks(job, sum_weights, "weight_sums"))
-    if not job.path("budgets").exists():
-        _share_budgets(job)
+    job.once("budgets", _share_budgets)
 
 
 def weighted(job: Job, tile: int) -> Vector:

@@ -62,6 +62,4 @@ def estimate_curvature(points: Points, n_neighbors: int = 20, progress: Progress
         line, of the fit with the smallest coefficients.
     """
     neighbors = Neighbors(points)
-    curvatures = np.empty((len(points), 2))
-    curvatures[neighbors.order] = estimate_surface(neighbors, n_neighbors, progress).curvatures
-    return Curvature(*curvatures.T)
+    return Curvature(*neighbors.in_rows(estimate_surface(neighbors, n_neighbors, progress).curvatures).T)

@@ -6,7 +6,7 @@ import numpy as np
 
 from lpcompare.types import Points, Vector
 
-_NEAREST = 1e-3
+NEAREST = 1e-3
 _STEP = 2.0**-36
 
 
@@ -34,7 +34,7 @@ def inverse_distance_costs(points: Points, centroid: Vector) -> tuple[Vector, fl
     typical = float(np.sqrt(np.mean(distances**2))) if len(points) else 0.0
     if typical == 0:
         return np.ones(len(points)), 1.0
-    costs = 1.0 / np.maximum(distances, _NEAREST * typical)
+    costs = 1.0 / np.maximum(distances, NEAREST * typical)
     mean_cost = float(costs.mean())
     return np.rint(costs / mean_cost / _STEP) * _STEP, mean_cost
 

@@ -27,4 +27,9 @@ def feature_mask(absolute_curvature: Vector, labels: Indices) -> Mask:
     """
     counts = np.maximum(np.bincount(labels), 1)
     means = np.bincount(labels, absolute_curvature) / counts
+    return above_means(absolute_curvature, means, labels)
+
+
+def above_means(absolute_curvature: Vector, means: Vector, labels: Indices) -> Mask:
+    """`feature_mask` of some points of clusters whose mean A (K,) is known."""
     return absolute_curvature > (means * (1 + _ROUNDING) + _FLAT)[labels]

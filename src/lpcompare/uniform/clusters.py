@@ -20,7 +20,7 @@ from lpcompare.uniform.rims import Rims
 from lpcompare.uniform.swaps import Emphasis, swap_points
 
 _SPREAD = 0.05
-_BAND = 0.8
+BAND = 0.8
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,16 +54,21 @@ def spread_points(
     tree: Neighbors, surface: Surface, rims: Rims, curvature: Vector, density: ClusterDensity, n_keep: int
 ) -> Indices:
     """One original per blue-noise cell, the one that represents it best: ``n_keep`` ascending rows."""
-    points = tree.sorted_points
     weights = tilt_to_density(sampling_weights(surface.areas, curvature), density.costs, density.labels)
+    return best_of_cells(tree, surface, rims, weights, n_keep)
+
+
+def best_of_cells(tree: Neighbors, surface: Surface, rims: Rims, weights: Vector, n_keep: int) -> Indices:
+    """The original that represents each blue-noise cell of weighted points best: ``n_keep`` ascending rows."""
+    points = tree.sorted_points
     centers = blue_noise_centers(tree, weights, n_keep)
     quadrics = tangent_quadrics(points, surface, rims, centers)
     costs = quadrics.costs(points, _SPREAD)
     chosen = cheapest_of_each(costs, quadrics.owners, n_keep)
-    return fill_up(points, chosen[chosen >= 0], n_keep)
+    return _filled(points, chosen[chosen >= 0], n_keep)
 
 
-def fill_up(points: Points, chosen: Indices, n_keep: int) -> Indices:
+def _filled(points: Points, chosen: Indices, n_keep: int) -> Indices:
     """Add the originals farthest from ``chosen``: coinciding centres leave cells without a point."""
     free = np.setdiff1d(np.arange(len(points)), chosen)
     if len(chosen) < n_keep:
@@ -83,7 +88,7 @@ def refine_in_density(
     emphasis: Emphasis,
 ) -> Indices:
     """Swap points against their error while every cluster keeps its density."""
-    band = DensityBand(density.labels, density.costs, _BAND * tolerance)
+    band = DensityBand(density.labels, density.costs, BAND * tolerance)
     return swap_points(tree, surface.normals, indices, n_rounds=n_rounds, emphasis=emphasis, band=band)
 
 

@@ -12,7 +12,8 @@ from numba import njit
 
 from lpcompare.types import Points
 
-_SAMPLE = 12
+SAMPLE = 12
+"""Points looked at for each one kept."""
 _TRIES = 12
 _TOLERANCE = 0.02
 _DISKS_PER_SQUARE = 0.7
@@ -35,7 +36,7 @@ def disk_radius(points: Points, n_keep: int) -> float:
         allow it. On a denser cloud, of which they are a part, 7 to 10 % more were found: more points fit
         between the disks where there are more to choose from. 0 where the cloud has no extent.
     """
-    sample = points[:: max(1, len(points) // (_SAMPLE * n_keep))]
+    sample = points[:: max(1, len(points) // (SAMPLE * n_keep))]
     order = np.random.default_rng(0).permutation(len(sample))
     sides = np.sort(np.ptp(points, axis=0))
     if sides[-1] == 0:

@@ -165,9 +165,9 @@ class UniformSimplifier(CloudEstimator):
         rows = tree.order[kept].astype(np.intp)
         ascending = np.argsort(rows)
         self.sample_indices_ = rows[ascending]
-        self.cells_ = _unsorted(tree, np.argsort(ascending)[cells])
+        self.cells_ = tree.in_rows(np.argsort(ascending)[cells])
         self.labels_, self.mixture_ = mixture.labels, mixture.in_units(center, scale)
-        self.curvature_ = Curvature(*_unsorted(tree, surface.curvatures).T).in_units(scale)
+        self.curvature_ = Curvature(*tree.in_rows(surface.curvatures).T).in_units(scale)
         self.certificates_ = tuple(c.in_units(1 / scale) for c in certificates)
         self.n_features_in_ = 3
         moved = None
@@ -237,10 +237,3 @@ class UniformSimplifier(CloudEstimator):
         if moved is None:
             return Simplification(points[rows], rows, self.timings_, info)
         return Simplification(moved, None, self.timings_, info | {"source": rows})
-
-
-def _unsorted(tree: Neighbors, values: np.ndarray) -> np.ndarray:
-    """Values by place of the tree as values by row of the cloud."""
-    result = np.empty_like(values)
-    result[tree.order] = values
-    return result

@@ -89,10 +89,9 @@ def refine(points: Points, indices: Indices, *, n_rounds: int = 6, emphasis: str
     if not len(kept) or len(kept) != len(indices) or kept[0] < 0 or kept[-1] >= len(points):
         raise InputError(f"indices must be distinct rows from 0 to {len(points) - 1}, at least one of them.")
     tree = Neighbors(normalize(points)[0])
-    rows = np.empty(len(points), dtype=np.intp)
-    rows[tree.order] = np.arange(len(points))
+    places = tree.in_rows(np.arange(len(points)))
     normals = estimate_surface(tree).normals
-    swapped = swap_points(tree, normals, rows[kept], n_rounds=n_rounds, emphasis=chosen)
+    swapped = swap_points(tree, normals, places[kept], n_rounds=n_rounds, emphasis=chosen)
     return np.sort(tree.order[swapped].astype(np.intp))
 
 
