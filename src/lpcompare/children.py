@@ -46,7 +46,7 @@ _PYTHON_KEPT = (
     "PYTHONUSERBASE",
 )
 _MARK = "LPCOMPARE_CHILD"
-_NURSERY_S = 0.5
+_NURSERY_S, _END_S, _LOOK_S, _LOOKS_WITHOUT = 0.5, 4.0, 0.1, 2
 _PREFIX, _NEW, _NEW_SECONDS = "lpcompare-", "lpcompare-new-", 600
 
 
@@ -337,12 +337,17 @@ def remove_left_folders() -> None:
 def _end_marked(mark: str, guards: Collection[int] = ()) -> None:
     """End the processes of children whose guard was killed: they carry its mark in their environment.
 
-    Those below guards that are alive stay.
+    Those below guards that are alive stay. One look can miss a process that is started during it.
     """
     import psutil
 
-    for process in psutil.process_iter():
-        with suppress(psutil.Error):
-            above = {process.pid, *(parent.pid for parent in process.parents())}
-            if process.environ().get(_MARK) == mark and above.isdisjoint(guards):
-                process.kill()
+    looks_without, deadline = 0, time.monotonic() + _END_S
+    while looks_without < _LOOKS_WITHOUT and time.monotonic() < deadline:
+        looks_without += 1
+        for process in psutil.process_iter():
+            with suppress(psutil.Error):
+                above = {process.pid, *(parent.pid for parent in process.parents())}
+                if process.environ().get(_MARK) == mark and above.isdisjoint(guards):
+                    process.kill()
+                    looks_without = 0
+        time.sleep(_LOOK_S)
