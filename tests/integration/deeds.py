@@ -137,6 +137,13 @@ BODIES = {
         "ok",
         "",
     ),
+    "deletes_the_inputs_again_and_again": (
+        "for _ in range(300):\n"
+        "    for p in Path('../../clouds').glob('ball.npz'): p.unlink(missing_ok=True)\n"
+        "    time.sleep(0.01)" + _KEEP,
+        "ok",
+        "",
+    ),
     "deletes_its_folder": ("shutil.rmtree(os.getcwd())" + _KEEP, "ok", ""),
     "deletes_the_records": ("Path('../../records.jsonl').unlink()" + _KEEP, "ok", ""),
     "litters": (

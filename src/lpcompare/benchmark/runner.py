@@ -9,7 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path
-from threading import Lock
+from threading import Lock, Semaphore
 from typing import Any, Protocol
 
 from lpcompare.benchmark.case import WORKER, Answer, Request, run_case
@@ -232,7 +232,7 @@ class _Runner:
         self.inputs: dict[tuple[object, ...], Input] = {}
         self.reached: dict[tuple[object, ...], int] = {}
         self.done: dict[int, Record] = {}
-        self.lock = Lock()
+        self.lock, self.alone, self.places = Lock(), Lock(), Semaphore(plan.jobs)
         self.children = children
         self.cases = list(plan.cases())
         self.versions = {v.method: package_versions([v.method]) for v in plan.variants}
@@ -360,13 +360,26 @@ class _Runner:
             shutil.rmtree(folder, ignore_errors=True)
 
     def _answer(self, case: Case, request: Request, folder: Path) -> Answer:
-        """Run a request, once more where the clouds on the disk were not as this run had written them."""
-        answer = self._run_case(request, folder)
-        if answer.trouble == "input":
-            self._clean(case).write()
-            self._input(case).write()
+        """Run a request, once more and alone where another case has changed the clouds on the disk."""
+        with self.places:
             answer = self._run_case(request, folder)
+        if answer.trouble == "input":
+            with self._all_places():
+                self._clean(case).write()
+                self._input(case).write()
+                answer = self._run_case(request, folder)
         return answer
+
+    @contextmanager
+    def _all_places(self) -> Iterator[None]:
+        """A time in which no other case runs."""
+        with self.alone:
+            for _ in range(self.plan.jobs):
+                self.places.acquire()
+        try:
+            yield
+        finally:
+            self.places.release(self.plan.jobs)
 
     def _run_case(self, request: Request, folder: Path) -> Answer:
         return run_case(
