@@ -9,9 +9,10 @@ from __future__ import annotations
 import hashlib
 import math
 import os
+import signal
 import sys
 import traceback
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from importlib import import_module
@@ -28,6 +29,7 @@ from lpcompare.benchmark.run_folder import file_digest
 from lpcompare.benchmark.timing import OtherPrograms, peak_memory_mib, reference_seconds, timed
 from lpcompare.children import answer_stream
 from lpcompare.errors import InputError, LpcompareError, MethodError, NotApplicable, Unavailable
+from lpcompare.guard import PR_SET_PDEATHSIG, prctl
 from lpcompare.io.arrays import digest, load_cloud, save_arrays
 from lpcompare.metrics.comparison import Comparison
 from lpcompare.registry import METHODS, METRICS, Invocation, call
@@ -83,20 +85,38 @@ def prepare(methods: Sequence[str], metrics: Sequence[str]) -> None:
     """Call our own methods and metrics once, on a small cloud and one thread, before children are forked.
 
     What a rival imports, its own process imports: a library may start threads, which no fork takes along.
+    On a machine's first run the kernels are compiled here: those of the metrics by a second process.
     """
     from highspy import Highs
     from threadpoolctl import threadpool_limits
 
-    cloud = _torus()
     with threadpool_limits(1):
-        comparison = Comparison(cloud.points, cloud.points[::8])
-        for name in metrics:
-            if METRICS.origin(name) == "lpcompare.metrics":
-                METRICS.get(name)(comparison)
+        helper = _compile_apart(lambda: _try_metrics(metrics))
         for name in methods:
             if METHODS.origin(name) == "lpcompare.methods":
-                call(name, cloud, 64, random_state=0)
+                call(name, _torus(), 64, random_state=0)
+        os.waitpid(helper, 0)
+        _try_metrics(metrics)
     Highs.resetGlobalScheduler(True)
+
+
+def _try_metrics(metrics: Sequence[str]) -> None:
+    points = _torus().points
+    comparison = Comparison(points, points[::8])
+    for name in metrics:
+        if METRICS.origin(name) == "lpcompare.metrics":
+            METRICS.get(name)(comparison)
+
+
+def _compile_apart(work: Callable[[], None]) -> int:
+    """Do some work in a copy of this process, for what it leaves in the cache on disk."""
+    helper = os.fork()
+    if not helper:
+        prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+        with suppress(Exception):
+            work()
+        os._exit(0)
+    return helper
 
 
 def main(folder: str) -> None:

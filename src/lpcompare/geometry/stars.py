@@ -61,6 +61,7 @@ class Stars:
             In model units.
         """
         result = np.empty(len(queries))
+        nearest = np.ascontiguousarray(nearest, dtype=np.int32)
         star_distances(queries, nearest, self.sites, self.corners, self.counts, self.closed, result)
         return result
 
@@ -88,6 +89,7 @@ def make_stars(sites: Points, normals: Points, nearest: NDArray[np.integer]) -> 
         np.zeros(n_sites, dtype=np.int32),
         np.zeros(n_sites, dtype=np.bool_),
     )
+    nearest = np.ascontiguousarray(nearest, dtype=np.int32)
     find_stars(sites, normals, nearest, stars.corners, stars.counts, stars.closed)
     return stars
 
