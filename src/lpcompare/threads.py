@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor, as_completed
-from threading import Event
+from threading import Event, Lock, Thread
 from typing import TypeVar
 
 Item = TypeVar("Item")
@@ -59,8 +59,8 @@ def map_in_threads(
         those that run are waited for, so that no thread is left behind.
     """
     items = list(items)
-    if cancelled is None and (thread_count() == 1 or len(items) < 2):
-        return _in_this_thread(function, items, on_done)
+    if cancelled is None:
+        return _with_helpers(function, items, on_done)
     with ThreadPoolExecutor(max(1, min(thread_count(), len(items)))) as pool:
         futures = [pool.submit(function, item) for item in items]
         try:
@@ -69,8 +69,7 @@ def map_in_threads(
                 if on_done:
                     on_done(done, len(items))
         except BaseException:
-            if cancelled:
-                cancelled.set()
+            cancelled.set()
             pool.shutdown(wait=False, cancel_futures=True)
             raise
         return [future.result() for future in futures]
@@ -83,12 +82,47 @@ def for_blocks(
     map_in_threads(work, [slice(i, min(i + size, n_rows)) for i in range(0, n_rows, size)], progress)
 
 
-def _in_this_thread(
+def _with_helpers(
     function: Callable[[Item], Result], items: list[Item], on_done: Progress | None
 ) -> list[Result]:
-    results = []
-    for item in items:
-        results.append(function(item))
-        if on_done:
-            on_done(len(results), len(items))
-    return results
+    """`map_in_threads` where the calling thread works too: each thread takes the next item that is left."""
+    results: dict[int, Result] = {}
+    numbers, errors, lock = iter(range(len(items))), list[BaseException](), Lock()
+
+    def work(progress: Progress | None = None) -> None:
+        while not errors:
+            with lock:
+                number = next(numbers, None)
+            if number is None:
+                return
+            results[number] = function(items[number])
+            if progress:
+                progress(len(results), len(items))
+
+    def help_on() -> None:
+        try:
+            work()
+        except BaseException as error:
+            errors.append(error)
+
+    helpers: list[Thread] = []
+    try:
+        for _ in range(min(thread_count(), len(items)) - 1):
+            helper = Thread(target=help_on)
+            helper.start()
+            helpers.append(helper)
+        work(on_done)
+        _wait_for(helpers)
+    except BaseException as error:
+        errors.append(error)
+        _wait_for(helpers)
+    if errors:
+        raise errors[0]
+    if on_done and items:
+        on_done(len(items), len(items))
+    return [results[number] for number in range(len(items))]
+
+
+def _wait_for(threads: list[Thread]) -> None:
+    for thread in threads:
+        thread.join()

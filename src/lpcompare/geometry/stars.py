@@ -14,26 +14,28 @@ distance, the sides are the corners of the convex hull of the points ``t / d**2`
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from lpcompare.types import Points, Vector
+from lpcompare.threads import for_blocks
+from lpcompare.types import Indices, Mask, Points, Vector
 
 _WIDTH = 16
 """Most neighbours of a star: 6 is the mean of a closed one."""
 
 
-@dataclass(frozen=True, eq=False)
 class Stars:
-    """The star of every point.
+    """The stars of points.
+
+    Parameters
+    ----------
+    sites : ndarray, shape (m, 3)
+        The points, in model units. None has a star before `find`.
 
     Attributes
     ----------
     sites : ndarray, shape (m, 3)
-        The points, in model units.
     corners : ndarray of int, shape (m, 16)
         Neighbours of each point in the order of their angle; those after the first ``counts`` mean nothing.
     counts : ndarray of int, shape (m,)
@@ -41,10 +43,37 @@ class Stars:
         Whether the last neighbour and the first make a triangle as well: false at a rim.
     """
 
-    sites: Points
-    corners: NDArray[np.int32]
-    counts: NDArray[np.int32]
-    closed: NDArray[np.bool_]
+    def __init__(self, sites: Points) -> None:
+        self.sites = sites
+        self.corners = np.zeros((len(sites), _WIDTH), dtype=np.int32)
+        self.counts = np.zeros(len(sites), dtype=np.int32)
+        self.closed = np.zeros(len(sites), dtype=np.bool_)
+
+    def find(self, rows: Indices, normals: Points, nearest: NDArray[np.integer]) -> Mask:
+        """Find the stars of some points.
+
+        Parameters
+        ----------
+        rows : ndarray of int, shape (r,)
+            The points.
+        normals : ndarray, shape (m, 3)
+            Unit normals; their sign does not matter.
+        nearest : ndarray of int, shape (r, k)
+            Neighbours of each that may be corners; 16 to 24 are enough. A point at the same place, and so
+            the point itself, is passed over.
+
+        Returns
+        -------
+        ndarray of bool, shape (m,)
+            The points whose stars are others than before.
+        """
+        changed = np.zeros(len(self.sites), dtype=np.bool_)
+        nearest = np.ascontiguousarray(nearest, dtype=np.int32)
+        state = self.corners, self.counts, self.closed, changed
+        for_blocks(
+            len(rows), lambda block: find_stars(self.sites, normals, rows[block], nearest[block], *state)
+        )
+        return changed
 
     def distances(self, queries: Points, nearest: NDArray[np.integer]) -> Vector:
         """Distance of each query to the triangles of some stars.
@@ -67,54 +96,38 @@ class Stars:
 
 
 def make_stars(sites: Points, normals: Points, nearest: NDArray[np.integer]) -> Stars:
-    """Find the star of every point.
-
-    Parameters
-    ----------
-    sites : ndarray, shape (m, 3)
-    normals : ndarray, shape (m, 3)
-        Unit normals; their sign does not matter.
-    nearest : ndarray of int, shape (m, k)
-        Neighbours of each point that may be corners; 16 to 24 are enough. A point at the same place, and so
-        the point itself, is passed over.
-
-    Returns
-    -------
-    Stars
-    """
-    n_sites = len(sites)
-    stars = Stars(
-        sites,
-        np.zeros((n_sites, _WIDTH), dtype=np.int32),
-        np.zeros(n_sites, dtype=np.int32),
-        np.zeros(n_sites, dtype=np.bool_),
-    )
-    nearest = np.ascontiguousarray(nearest, dtype=np.int32)
-    find_stars(sites, normals, nearest, stars.corners, stars.counts, stars.closed)
+    """Find the star of every point; `Stars.find` says what is given."""
+    stars = Stars(sites)
+    stars.find(np.arange(len(sites)), normals, nearest)
     return stars
 
 
 @njit(cache=True, nogil=True)
-def find_stars(sites, normals, nearest, corners, counts, closed):
-    """Fill ``corners``, ``counts`` and ``closed`` of `Stars`."""
-    size = nearest.shape[1]
-    duals, rows = np.empty((size + 1, 2)), np.empty(size + 1, np.int32)
-    hull = np.empty(2 * size + 4, np.int32)
-    for site in range(len(sites)):
-        count = _dual_points(sites, site, normals[site], nearest[site], duals, rows)
-        counts[site], closed[site] = 0, False
-        if count < 3:
-            continue
-        n_corners = _convex_hull(duals, count, hull)
-        first, closed[site] = 0, True
-        for i in range(n_corners):
-            if rows[hull[i]] < 0:  # the origin is a corner: the polygon is open
-                first, closed[site] = i + 1, False
-        for i in range(n_corners):
-            row = rows[hull[(first + i) % n_corners]]
-            if row >= 0 and counts[site] < corners.shape[1]:
-                corners[site, counts[site]] = row
-                counts[site] += 1
+def find_stars(sites, normals, rows, nearest, corners, counts, closed, changed):
+    """`Stars.find` of one block."""
+    size, width = nearest.shape[1], corners.shape[1]
+    duals, around = np.empty((size + 1, 2)), np.empty(size + 1, np.int32)
+    hull, star = np.empty(2 * size + 4, np.int32), np.empty(width, np.int32)
+    for i in range(len(rows)):
+        site = rows[i]
+        count = _dual_points(sites, site, normals[site], nearest[i], duals, around)
+        n_found, is_closed = 0, False
+        if count >= 3:
+            n_corners = _convex_hull(duals, count, hull)
+            first, is_closed = 0, True
+            for j in range(n_corners):
+                if around[hull[j]] < 0:  # the origin is a corner: the polygon is open
+                    first, is_closed = j + 1, False
+            for j in range(n_corners):
+                row = around[hull[(first + j) % n_corners]]
+                if row >= 0 and n_found < width:
+                    star[n_found] = row
+                    n_found += 1
+        changed[site] = counts[site] != n_found or closed[site] != is_closed
+        counts[site], closed[site] = n_found, is_closed
+        for j in range(n_found):
+            changed[site] |= corners[site, j] != star[j]
+            corners[site, j] = star[j]
 
 
 @njit(cache=True, nogil=True)

@@ -44,7 +44,7 @@ class ClusterDensity:
 def cluster_densities(points: Points, labels: Indices) -> ClusterDensity:
     """Inverse distances to the centroids of the clusters ``labels`` (n,) of ``points`` (n, 3)."""
     costs, densities = np.ones(len(points)), np.ones(int(labels.max()) + 1)
-    for cluster in np.unique(labels):
+    for cluster in np.flatnonzero(np.bincount(labels)):
         rows = np.flatnonzero(labels == cluster)
         costs[rows], densities[cluster] = inverse_distance_costs(points[rows], points[rows].mean(axis=0))
     return ClusterDensity(labels, costs, densities)
@@ -70,8 +70,8 @@ def best_of_cells(tree: Neighbors, surface: Surface, rims: Rims, weights: Vector
 
 def _filled(points: Points, chosen: Indices, n_keep: int) -> Indices:
     """Add the originals farthest from ``chosen``: coinciding centres leave cells without a point."""
-    free = np.setdiff1d(np.arange(len(points)), chosen)
     if len(chosen) < n_keep:
+        free = np.delete(np.arange(len(points)), chosen)
         gaps = Neighbors(points[chosen]).query(points[free], 1)[0][:, 0]
         chosen = np.append(chosen, free[np.argsort(-gaps, kind="stable")[: n_keep - len(chosen)]])
     return np.sort(chosen)

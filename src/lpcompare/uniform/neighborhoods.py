@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from lpcompare.geometry.kernels import gather, mean_plane_distance, nearest_of
 from lpcompare.geometry.neighbors import Neighbors
-from lpcompare.geometry.stars import make_stars
+from lpcompare.geometry.stars import Stars
 from lpcompare.threads import for_blocks
 from lpcompare.types import Indices, Points
 
@@ -70,7 +70,7 @@ class Neighborhoods:
             np.empty(n_points),
             np.zeros(n_points),
         )
-        self.errors = self._planes
+        self.errors, self._stars = self._planes, Stars(self._tree.sorted_points)
         self._update(np.empty(0, dtype=np.intp), np.empty(0, dtype=np.intp))
 
     @property
@@ -93,17 +93,17 @@ class Neighborhoods:
 
     def swap(self, dropped: Indices, added: Indices) -> None:
         """Replace kept points, and bring up to date the originals whose neighbours change."""
-        self.kept = np.union1d(np.setdiff1d(self.kept, dropped, assume_unique=True), added)
         self._update(dropped, added)
 
     def _update(self, dropped: Indices, added: Indices) -> None:
         points, leaves = self._tree.sorted_points, self._tree.leaves
-        self._slots[self.kept] = np.arange(len(self.kept))
         leaving = np.zeros(len(points), dtype=np.bool_)
         leaving[dropped] = True
+        self.kept = np.sort(np.concatenate([self.kept[~leaving[self.kept]], added]))
+        self._slots[self.kept] = np.arange(len(self.kept))
         arriving, all_kept = Neighbors(points[added]), Neighbors(points[self.kept])
-        changed = np.zeros(len(points), dtype=np.bool_)
-        state = self.lists, self.counts, self._radii, self.gaps, self._planes, changed
+        firsts = np.empty(len(points), dtype=np.int8)
+        state = self.lists, self.counts, self._radii, self.gaps, self._planes, firsts
         arrivals = (*arriving.arrays, added[arriving.order])
         everyone = (*all_kept.arrays, self.kept[all_kept.order])
 
@@ -113,22 +113,25 @@ class Neighborhoods:
 
         for_blocks(len(leaves) - 1, renew, size=_LEAVES)
         if self._share > 0:
-            self._measure_triangles(changed)
+            self._measure_triangles(firsts, added)
         self.errors = (1 - self._share) * self._planes + self._share * _TRIANGLE_SCALE * self._triangles
 
-    def _measure_triangles(self, changed: NDArray[np.bool_]) -> None:
-        """Distance of the originals to the stars of their three nearest kept points, where lists ``changed``.
+    def _measure_triangles(self, firsts: NDArray[np.int8], added: Indices) -> None:
+        """Distance of the originals to the stars of their three nearest kept points, where one is another.
 
-        A star depends on the list of its own point alone.
+        A star depends on the list of its own point alone; ``firsts`` are the first places of the lists that
+        changed. The stars of points that were ``added`` may be of a time before they were dropped.
         """
-        points, slots = self._tree.sorted_points, self._slots
-        corners = slots[self.lists[self.kept, : self._sizes[-1]]]
-        stars = make_stars(points[self.kept], self._normals[self.kept], corners)
+        points, n_nearest = self._tree.sorted_points, int(self._sizes[-1])
+        touched = firsts < n_nearest
+        touched[added] = True
+        stale = self.kept[touched[self.kept]]
+        changed = self._stars.find(stale, self._normals, self.lists[stale, :n_nearest])
 
         def measure(block: slice) -> None:
             sites = self.lists[block, :_STARS]
-            rows = np.flatnonzero(changed[block] | changed[sites].any(axis=1))
-            self._triangles[block.start + rows] = stars.distances(points[block][rows], slots[sites[rows]])
+            rows = np.flatnonzero((firsts[block] < _STARS) | changed[sites].any(axis=1))
+            self._triangles[block.start + rows] = self._stars.distances(points[block][rows], sites[rows])
 
         for_blocks(len(points), measure)
 
@@ -136,7 +139,7 @@ class Neighborhoods:
 @njit(cache=True, nogil=True)
 def _renew(leaves, points, state, leaving, arrivals, everyone, sizes):
     """Bring the originals between the places ``leaves`` up to date."""
-    lists, counts, radii, gaps, errors, stale = state
+    lists, counts, radii, gaps, errors, firsts = state
     places, starts, boxes, rows = arrivals
     found = np.empty(len(places), np.int32)
     needed = sizes[-1]
@@ -151,14 +154,14 @@ def _renew(leaves, points, state, leaving, arrivals, everyone, sizes):
                 reach = max(reach, radii[i])
             n_found = gather(low, high, reach, places, starts, boxes, found)
         for i in range(begin, end):
-            changed = _squeeze(i, lists, counts, leaving, needed)
+            first = _squeeze(i, lists, counts, leaving)
             for place in found[:n_found]:
-                changed |= _insert(i, rows[place], points, lists, counts, radii, needed)
+                first = min(first, _insert(i, rows[place], points, lists, counts, radii))
             if counts[i] < needed:
                 _look_up(i, points, lists, counts, radii, everyone)
-                changed = True
-            stale[i] = changed
-            if changed:
+                first = 0
+            firsts[i] = first
+            if first < needed:
                 for j in range(2):
                     gaps[i, j] = np.sqrt(_squared_distance(points, i, lists[i, j]))
                 x, y, z = points[i]
@@ -166,38 +169,38 @@ def _renew(leaves, points, state, leaving, arrivals, everyone, sizes):
 
 
 @njit(cache=True, nogil=True)
-def _squeeze(i, lists, counts, leaving, needed):
-    """Take the points that leave out of a list; whether one of the first ``needed`` did."""
-    count, changed = 0, False
+def _squeeze(i, lists, counts, leaving):
+    """Take the points that leave out of a list; the first place at which one did, or the list's width."""
+    count, first = 0, lists.shape[1]
     for j in range(counts[i]):
         row = lists[i, j]
         if leaving[row]:
-            changed |= j < needed
+            first = min(first, j)
         else:
             lists[i, count] = row
             count += 1
     counts[i] = count
-    return changed
+    return first
 
 
 @njit(cache=True, nogil=True)
-def _insert(i, row, points, lists, counts, radii, needed):
-    """Put a point that arrives in its place of a list; whether that is one of the first ``needed``."""
-    distance = _squared_distance(points, i, row)
+def _insert(i, row, points, lists, counts, radii):
+    """Put a point that arrives in its place of a list; that place, or the list's width."""
+    distance, width = _squared_distance(points, i, row), lists.shape[1]
     if distance >= radii[i]:
-        return False
-    j, last = counts[i], lists.shape[1] - 1
-    if j > last:
-        j = last
+        return width
+    j = counts[i]
+    if j == width:
+        j -= 1
     else:
         counts[i] += 1
     while j > 0 and _squared_distance(points, i, lists[i, j - 1]) > distance:
         lists[i, j] = lists[i, j - 1]
         j -= 1
     lists[i, j] = row
-    if counts[i] > last:
-        radii[i] = _squared_distance(points, i, lists[i, last])
-    return j < needed
+    if counts[i] == width:
+        radii[i] = _squared_distance(points, i, lists[i, width - 1])
+    return j
 
 
 @njit(cache=True, nogil=True)
