@@ -24,24 +24,23 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from lpcompare.benchmark.record import Run, load_run
     from lpcompare.benchmark.runner import run
+    from lpcompare.estimators import LPSimplifier, UniformSimplifier
     from lpcompare.io.formats import read, write
     from lpcompare.large.evaluate_files import evaluate_files
     from lpcompare.large.simplify_files import simplify_files
     from lpcompare.listing import methods, metrics, models
     from lpcompare.metrics.comparison import evaluate
-    from lpcompare.paper.simplifier import LPSimplifier
     from lpcompare.simplify import simplify
     from lpcompare.types import PointCloud, Simplification
-    from lpcompare.uniform.simplifier import UniformSimplifier
 
     __version__: str
 
 _HOMES = {
-    "LPSimplifier": "paper.simplifier",
+    "LPSimplifier": "estimators",
     "PointCloud": "types",
     "Run": "benchmark.record",
     "Simplification": "types",
-    "UniformSimplifier": "uniform.simplifier",
+    "UniformSimplifier": "estimators",
     "evaluate": "metrics.comparison",
     "evaluate_files": "large.evaluate_files",
     "load_run": "benchmark.record",

@@ -191,7 +191,7 @@ class Registry:
 
         module, known = self.module(name), self.settings(name)
         hints = get_type_hints(getattr(module, name))
-        hints |= get_type_hints(module.ESTIMATOR.__init__) if hasattr(module, "ESTIMATOR") else {}
+        hints |= get_type_hints(module.THINNING.__init__) if hasattr(module, "THINNING") else {}
         for setting, value in settings.items():
             if setting not in known:
                 raise UnknownName(f"setting of {name}", setting, known)
@@ -253,10 +253,10 @@ def _traits(tree: ast.Module) -> Traits | None:
 
 
 def _keywords(function: Callable[..., Any], module: ModuleType) -> list[inspect.Parameter]:
-    """The keyword arguments of a plug-in; ``**settings`` stand for those of the file's ``ESTIMATOR``."""
+    """The keyword arguments of a plug-in; ``**settings`` stand for those of the file's ``THINNING``."""
     parameters = list(inspect.signature(function).parameters.values())
-    if any(p.kind is p.VAR_KEYWORD for p in parameters) and hasattr(module, "ESTIMATOR"):
-        parameters += inspect.signature(module.ESTIMATOR).parameters.values()
+    if any(p.kind is p.VAR_KEYWORD for p in parameters) and hasattr(module, "THINNING"):
+        parameters += inspect.signature(module.THINNING).parameters.values()
     return [p for p in parameters if p.kind is p.KEYWORD_ONLY]
 
 

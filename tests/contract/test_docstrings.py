@@ -47,7 +47,9 @@ CLOUDS = SOURCED | {"PointCloud", "Simplification", "read", "run", "write"}
 
 def whole_text(thing):
     """The docstring, and those of the public methods of a class."""
-    methods = [m for n, m in vars(thing).items() if not n.startswith("_")] if inspect.isclass(thing) else []
+    methods = (
+        [getattr(thing, n) for n in dir(thing) if not n.startswith("_")] if inspect.isclass(thing) else []
+    )
     return "\n".join(inspect.getdoc(t) or "" for t in (thing, *methods))
 
 

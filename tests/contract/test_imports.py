@@ -23,6 +23,7 @@ ALLOWED = {
     "max_error": CORE | {"geometry", "metrics", "checks"},
     "paper": CORE | {"geometry", "threads", "checks", "progress"},
     "uniform": CORE | {"geometry", "threads", "checks", "progress", "paper"},
+    "estimators": CORE | {"checks", "paper", "uniform"},
     "methods": CORE | {"progress", "geometry", "paper", "uniform"},
     "listing": CORE | {"registry", "models"},
     "testing": CORE | {"registry"},

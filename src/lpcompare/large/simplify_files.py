@@ -196,7 +196,7 @@ def _settings(method: str, settings: Mapping[str, Any]) -> dict[str, Any]:
     every = METHODS.settings(method) | dict(settings)
     if every.get("density", "mean") != "mean":
         raise InputError(f"{method}.density is {every['density']!r}; in tiles only 'mean' can be used.")
-    if hasattr(METHODS.module(method), "ESTIMATOR"):
+    if hasattr(METHODS.module(method), "THINNING"):
         call(method, PointCloud(np.eye(3)), 2, settings=settings)  # a few points show a setting out of range
     return {name: value for name, value in every.items() if name in settings or value is not None}
 

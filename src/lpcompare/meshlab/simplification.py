@@ -10,16 +10,16 @@ from lpcompare.geometry.scale import bounding_box_diagonal
 from lpcompare.mesh_library import pymeshlab
 from lpcompare.meshlab.layers import add_subset, coordinates, used_rows
 from lpcompare.meshlab.parameters import Parameter
-from lpcompare.paper.simplifier import LPSimplifier
+from lpcompare.paper.simplifier import LPThinning
 from lpcompare.simplify import simplify
 from lpcompare.types import Points
-from lpcompare.uniform.simplifier import UniformSimplifier
+from lpcompare.uniform.simplifier import UniformThinning
 
 _FORMULATIONS = {"Density preserving": "lp_density", "As printed": "lp_printed"}
 _RETENTIONS = {"Exact count": "exact-count", "Keep features": "keep-features"}
 
-_DEFAULTS = LPSimplifier().get_params()
-_UNIFORM_DEFAULTS = UniformSimplifier().get_params()
+_DEFAULTS = vars(LPThinning())
+_UNIFORM_DEFAULTS = vars(UniformThinning())
 
 _HOW_MANY = (
     Parameter("samplenum", int, 1000, "Number of points to keep; at most those there are.", low=1),

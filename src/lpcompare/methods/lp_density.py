@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from lpcompare.paper.simplifier import LPSimplifier
+from lpcompare.paper.simplifier import LPThinning
 from lpcompare.progress import Callback
 from lpcompare.types import Points, Simplification, Traits
 
@@ -22,7 +22,7 @@ TRAITS = Traits(
     source="Leal and others, A Linear Programming Approach for 3D Point Cloud Simplification, 2017",
     in_tiles=True,
 )
-ESTIMATOR = LPSimplifier
+THINNING = LPThinning
 
 
 def lp_density(
@@ -49,7 +49,7 @@ def lp_density(
     Simplification
         A subset of the input.
     """
-    estimator = ESTIMATOR(
+    thinning = THINNING(
         target_count=target_count, method="lp_density", random_state=rng, callback=callback, **settings
     )
-    return estimator.fit(points).simplification_
+    return thinning.fit(points).simplification_

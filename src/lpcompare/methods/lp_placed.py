@@ -13,7 +13,7 @@ import numpy as np
 
 from lpcompare.progress import Callback
 from lpcompare.types import Points, Simplification, Traits
-from lpcompare.uniform.simplifier import UniformSimplifier
+from lpcompare.uniform.simplifier import UniformThinning
 
 TRAITS = Traits(
     family="ours",
@@ -21,7 +21,7 @@ TRAITS = Traits(
     source="Leal and others, A Linear Programming Approach for 3D Point Cloud Simplification, 2017",
     moves_points=True,
 )
-ESTIMATOR = UniformSimplifier
+THINNING = UniformThinning
 
 
 def lp_placed(
@@ -48,7 +48,7 @@ def lp_placed(
     Simplification
         New points; ``info["source"]`` has the row that each comes from.
     """
-    estimator = ESTIMATOR(
+    thinning = THINNING(
         target_count=target_count, placed=True, random_state=rng, callback=callback, **settings
     )
-    return estimator.fit(points).simplification_
+    return thinning.fit(points).simplification_

@@ -13,7 +13,7 @@ import numpy as np
 
 from lpcompare.progress import Callback
 from lpcompare.types import Points, Simplification, Traits
-from lpcompare.uniform.simplifier import UniformSimplifier
+from lpcompare.uniform.simplifier import UniformThinning
 
 TRAITS = Traits(
     family="ours",
@@ -21,7 +21,7 @@ TRAITS = Traits(
     source="Leal and others, A Linear Programming Approach for 3D Point Cloud Simplification, 2017",
     in_tiles=True,
 )
-ESTIMATOR = UniformSimplifier
+THINNING = UniformThinning
 
 
 def lp_uniform(
@@ -48,5 +48,5 @@ def lp_uniform(
     Simplification
         A subset of the input.
     """
-    estimator = ESTIMATOR(target_count=target_count, random_state=rng, callback=callback, **settings)
-    return estimator.fit(points).simplification_
+    thinning = THINNING(target_count=target_count, random_state=rng, callback=callback, **settings)
+    return thinning.fit(points).simplification_

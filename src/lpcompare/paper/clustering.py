@@ -7,17 +7,14 @@ Each iteration is two matrix products per block of points. With the ten features
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
-from sklearn.cluster import KMeans
-from sklearn.exceptions import ConvergenceWarning
-from sklearn.metrics import pairwise_distances_argmin
 from threadpoolctl import threadpool_limits
 
+from lpcompare.paper.k_means import k_means, nearest_centers
 from lpcompare.threads import BLOCK, Progress, for_blocks
 from lpcompare.types import Indices, Points, Vector
 
@@ -145,11 +142,7 @@ def start_labels(points: Points, n_clusters: int, rng: np.random.Generator) -> I
     sample = points[_fitted_rows(len(points), _START_LIMIT, rng)]
     n_distinct = len(np.unique(sample, axis=0))
     seed = int(rng.integers(2**31))
-    with warnings.catch_warnings():
-        # fewer distinct centres than asked for only leave components out
-        warnings.simplefilter("ignore", ConvergenceWarning)
-        model = KMeans(min(n_clusters, n_distinct), n_init="auto", random_state=seed).fit(sample)
-    return pairwise_distances_argmin(points, model.cluster_centers_)
+    return nearest_centers(points, k_means(sample, min(n_clusters, n_distinct), seed))
 
 
 def _fitted_rows(n_points: int, limit: int, rng: np.random.Generator) -> slice | Indices:

@@ -1,8 +1,8 @@
-"""The method of Leal et al. (2017) from points to points: the estimator `LPSimplifier`."""
+"""The method of Leal et al. (2017) from points to points."""
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -18,85 +18,18 @@ from lpcompare.checks import (
 from lpcompare.geometry.scale import normalize
 from lpcompare.paper.cluster_count import ClusterCountSetting, check_n_clusters
 from lpcompare.paper.curvature import estimate_curvature
-from lpcompare.paper.estimator import CloudEstimator
 from lpcompare.paper.features import feature_mask
 from lpcompare.paper.program import SolverSettings
 from lpcompare.paper.reduction import Reading, plan_clusters, reduce_clusters
+from lpcompare.paper.thinning import Thinning
 from lpcompare.progress import Callback, StageClock
 from lpcompare.types import Points, Simplification
 
 METHODS = ("lp_density", "lp_printed")
 
 
-class LPSimplifier(CloudEstimator):
-    """The method of Leal et al. (2017) with everything that it computes on the way.
-
-    Parameters
-    ----------
-    target_reduction, target_count : float, int
-        Share removed or points kept; exactly one of the two.
-    method : {"lp_density", "lp_printed"}
-        "lp_density" keeps each cluster's mean inverse distance (eq. 14 with k = 1); "lp_printed" is
-        eqs. 12-26 as they stand, with k = 1 / PR.
-    n_clusters : int or "auto"
-        Components of the mixture, cut to the number of distinct points; "auto" takes the number of least BIC.
-        Clouds of more than 50,000 points are fitted on a random subsample of 50,000, and the fit is applied
-        to all points.
-    n_neighbors : int
-        Points per curvature fit, the point itself among them.
-    retention : {"exact-count", "keep-features"}
-        What the target counts: all kept points, or the reduction of the points that are not features.
-    feature_share : float
-        Largest share of a cluster's budget that features take under "exact-count".
-    density : {"mean", "printed"}
-        D_c as the text says it, or as eq. 12 prints it (it then depends on the unit of the model).
-    solver : str
-        "highs" (HiGHS from a starting solution), "highs-cold", or any mixed-integer solver of cvxpy.
-    time_limit : float
-        Seconds per cluster; at the limit the best selection so far is kept.
-    gap : float
-        Relative gap per cluster that the solver may leave.
-    random_state : int, numpy.random.Generator or None
-        Seed of the k-means start, of subsamples and of the starting selections.
-    callback : callable, optional
-        Called with (stage, done, total) as each of "clustering", "curvature", "selection" proceeds.
-
-    Attributes
-    ----------
-    simplification_ : Simplification
-    sample_indices_ : ndarray of int, shape (m,)
-        Rows that were kept, ascending.
-    labels_ : ndarray of int, shape (n,)
-        Cluster of each point.
-    mixture_ : Mixture
-        Weights, means, covariances in model units, and the log-likelihood per iteration (eqs. 2-5).
-    cluster_count_ : ClusterCount or None
-        The curve of n_clusters="auto".
-    curvature_ : Curvature
-        H, K and A of each point (eqs. 9-11), in model units.
-    feature_mask_ : ndarray of bool, shape (n,)
-    converged_ : bool
-        Whether expectation maximization met its tolerance; `ConvergenceWarning` is given where it did not.
-    n_iter_ : int
-        Iterations of expectation maximization.
-    certificates_ : tuple of Certificate
-        Per cluster that owns a point: densities (eqs. 12, 15), Z (eq. 14), bound and proof.
-    timings_ : dict of str to float
-        Seconds per stage.
-
-    References
-    ----------
-    E. Leal, N. Leal, G. Sanchez-Torres, A Linear Programming Approach for 3D Point Cloud Simplification,
-    2017.
-
-    Examples
-    --------
-    >>> import numpy as np, lpcompare
-    >>> cloud = np.random.default_rng(0).normal(size=(400, 3))
-    >>> fitted = lpcompare.LPSimplifier(target_count=40, n_clusters=4).fit(cloud)
-    >>> len(fitted.sample_indices_), {c.status for c in fitted.certificates_}
-    (40, {'optimal'})
-    """
+class LPThinning(Thinning):
+    """The method of `LPSimplifier`, whose settings and attributes these are."""
 
     def __init__(
         self,
@@ -129,7 +62,7 @@ class LPSimplifier(CloudEstimator):
         self.random_state = random_state
         self.callback = callback
 
-    def fit(self, X: Any, y: object = None) -> LPSimplifier:
+    def fit(self, X: Any, y: object = None) -> Self:
         """Cluster, mark the features, and solve each cluster's program.
 
         Parameters
@@ -141,8 +74,8 @@ class LPSimplifier(CloudEstimator):
 
         Returns
         -------
-        LPSimplifier
-            Itself, fitted.
+        self
+            Fitted.
 
         Raises
         ------

@@ -1,4 +1,4 @@
-"""`lp_uniform` and `lp_placed` from points to points: the estimator `UniformSimplifier`."""
+"""`lp_uniform` and `lp_placed` from points to points."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from lpcompare.geometry.scale import normalize
 from lpcompare.geometry.surface import Surface, estimate_surface
 from lpcompare.paper.cluster_count import ClusterCountSetting, check_n_clusters
 from lpcompare.paper.curvature import Curvature
-from lpcompare.paper.estimator import CloudEstimator
+from lpcompare.paper.thinning import Thinning
 from lpcompare.progress import Callback, StageClock
 from lpcompare.types import Indices, Points, Simplification
 from lpcompare.uniform.clusters import (
@@ -28,74 +28,8 @@ from lpcompare.uniform.rims import Rims, find_rims
 from lpcompare.uniform.swaps import EMPHASES
 
 
-class UniformSimplifier(CloudEstimator):
-    """Thin a cloud without holes: one point per blue-noise cell, chosen by the program of its cluster.
-
-    Parameters
-    ----------
-    target_reduction, target_count : float, int
-        Share removed or points kept; exactly one of the two.
-    placed : bool
-        Move each kept point to the minimum of its tangent-plane quadric.
-    n_clusters : int or "auto"
-        Components of the mixture (eqs. 1-5), cut to the number of distinct points; "auto" takes the number
-        of least BIC on a subsample.
-    n_neighbors : int
-        Points per curvature fit (eqs. 6-11), the point itself among them.
-    emphasis : str
-        What is given up last: "balanced", "error" (eq. 27 alone) or "coverage" (no original far from a kept
-        point). See `EMPHASES`.
-    n_rounds : int
-        Rounds of swaps before the programs.
-    density_tolerance : float
-        Largest Z of eq. 14, as a share of the cluster's density, that costs nothing.
-    gap : float
-        Relative gap per cluster that the solver may leave.
-    time_limit : float
-        Seconds per cluster; at the limit the best selection so far is kept.
-    random_state : int, numpy.random.Generator or None
-        Seed of the k-means start and of subsamples.
-    callback : callable, optional
-        Called with (stage, done, total) as each of "clustering", "curvature", "cells", "swaps" and
-        "selection" proceeds.
-
-    Attributes
-    ----------
-    simplification_ : Simplification
-    sample_indices_ : ndarray of int, shape (m,)
-        Rows that were kept, ascending; of placed points, the rows that they come from.
-    labels_ : ndarray of int, shape (n,)
-        Cluster of each point.
-    cells_ : ndarray of int, shape (n,)
-        Cell of each point: the place in ``sample_indices_`` of the kept point that stands for it.
-    mixture_ : Mixture
-        Weights, means, covariances in model units, and the log-likelihood per iteration (eqs. 2-5).
-    cluster_count_ : ClusterCount or None
-        The curve of n_clusters="auto".
-    curvature_ : Curvature
-        H, K and A of each point (eqs. 9-11), in model units.
-    converged_ : bool
-        Whether expectation maximization met its tolerance; `ConvergenceWarning` is given where it did not.
-    n_iter_ : int
-        Iterations of expectation maximization.
-    certificates_ : tuple of SpreadCertificate
-        Per cluster that owns a kept point: densities (eqs. 12, 15), Z (eq. 14), cost and bound.
-    timings_ : dict of str to float
-        Seconds per stage.
-
-    References
-    ----------
-    N. Leal, E. Leal, G. Sanchez-Torres, A Linear Programming Approach for 3D Point Cloud Simplification,
-    2017, section V.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> cloud = np.random.default_rng(0).normal(size=(400, 3))
-    >>> thin, values = UniformSimplifier(target_count=40, n_clusters=3).fit_resample(cloud, cloud[:, 0])
-    >>> thin.shape, values.shape
-    ((40, 3), (40,))
-    """
+class UniformThinning(Thinning):
+    """The method of `UniformSimplifier`, whose settings and attributes these are."""
 
     def __init__(
         self,
@@ -138,8 +72,8 @@ class UniformSimplifier(CloudEstimator):
 
         Returns
         -------
-        UniformSimplifier
-            Itself, fitted.
+        self
+            Fitted.
 
         Raises
         ------

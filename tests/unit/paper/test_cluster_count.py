@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import lpcompare
+from lpcompare.estimators import LPSimplifier
 from lpcompare.paper.cluster_count import CANDIDATES, choose_n_clusters
-from lpcompare.paper.simplifier import LPSimplifier
 
 
 def blobs(n_blobs, seed=0, size=300):

@@ -7,7 +7,7 @@ import pytest
 
 import lpcompare
 from lpcompare.errors import InputError
-from lpcompare.paper.simplifier import LPSimplifier
+from lpcompare.estimators import LPSimplifier
 
 simplify = partial(lpcompare.simplify, method="lp_density")
 

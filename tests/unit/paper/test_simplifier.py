@@ -16,7 +16,7 @@ from sklearn.base import clone
 
 import lpcompare
 from lpcompare.errors import InputError, UnknownName
-from lpcompare.paper.simplifier import LPSimplifier
+from lpcompare.estimators import LPSimplifier
 
 simplify = partial(lpcompare.simplify, method="lp_density")
 

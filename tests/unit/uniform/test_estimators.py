@@ -85,7 +85,7 @@ def test_a_fit_that_does_not_converge_warns_and_says_so(estimator, monkeypatch):
         fitted = clone(estimator).fit(CLOUD)
     assert fitted.converged_
     assert fitted.n_iter_ == len(fitted.mixture_.log_likelihoods) > 1
-    monkeypatch.setattr("lpcompare.paper.estimator.cluster_points", partial(cluster_points, max_iterations=1))
+    monkeypatch.setattr("lpcompare.paper.thinning.cluster_points", partial(cluster_points, max_iterations=1))
     with pytest.warns(ConvergenceWarning, match="in 1 iteration"):
         fitted = clone(estimator).fit(CLOUD)
     assert not fitted.converged_

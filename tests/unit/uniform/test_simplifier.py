@@ -5,9 +5,9 @@ import pytest
 
 import lpcompare
 from lpcompare.errors import InputError
+from lpcompare.estimators import UniformSimplifier
 from lpcompare.metrics.comparison import Comparison
 from lpcompare.registry import METHODS
-from lpcompare.uniform.simplifier import UniformSimplifier
 
 
 def simplify_uniformly(points, **settings):
