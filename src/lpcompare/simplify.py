@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lpcompare.checks import check_points, check_seed, check_target, valid_rows
+from lpcompare.checks import check_number, check_points, check_seed, check_target, valid_rows
 from lpcompare.errors import InputError
+from lpcompare.geometry.outliers import outlier_mask
 from lpcompare.interplay import make_object, read_object
 from lpcompare.max_error import simplify_within
 from lpcompare.registry import METHODS, Seed, call
@@ -30,6 +31,7 @@ def simplify(
     statistic: str = "mean",
     method: str = "lp_uniform",
     drop_invalid: bool = False,
+    drop_outliers: float | None = None,
     order: bool = False,
     random_state: Seed = 0,
     callback: Callable[[str, int, int], None] | None = None,
@@ -60,6 +62,9 @@ def simplify(
         A registered method.
     drop_invalid : bool
         Leave out points with NaN, infinity or a masked value instead of refusing the cloud.
+    drop_outliers : float, optional
+        Leave out points first that lie alone: the mean distance to their 12 nearest is more than so many
+        standard deviations above the cloud's mean; 2 is usual. ``info["outliers"]`` are their rows.
     order : bool
         Ask for ``info["order"]``, the rank of each kept point, shape (m,): every prefix is a thinning too.
         Only progressive methods have it.
@@ -106,6 +111,9 @@ def simplify(
     """
     given = read_object(points)
     cloud, rows = _clean(given, drop_invalid=drop_invalid)
+    outliers = None
+    if drop_outliers is not None:
+        cloud, rows, outliers = _without_outliers(cloud, rows, drop_outliers)
     METHODS.check_settings(method, settings)
     if not isinstance(random_state, np.random.SeedSequence):
         check_seed(random_state)
@@ -132,7 +140,7 @@ def simplify(
         result = reduce(check_target(len(cloud), target_reduction, target_count))
     else:
         result = simplify_within(cloud.points, reduce, max_error, tolerance, statistic)
-    result = _in_rows_of_the_input(result, rows, len(given))
+    result = _in_rows_of_the_input(result, rows, outliers, len(given))
     return replace(result, rebuild=partial(make_object, points))
 
 
@@ -151,10 +159,23 @@ def _clean(cloud: PointCloud, *, drop_invalid: bool) -> tuple[PointCloud, np.nda
     return replace(kept, points=check_points(kept.points)), rows
 
 
-def _in_rows_of_the_input(result: Simplification, rows: np.ndarray | None, n_input: int) -> Simplification:
+def _without_outliers(
+    cloud: PointCloud, rows: np.ndarray | None, n_deviations: float
+) -> tuple[PointCloud, np.ndarray, np.ndarray]:
+    """The cloud without the points that lie alone, its rows in the input, and theirs."""
+    lonely = outlier_mask(cloud.points, check_number("drop_outliers", n_deviations, 0.0))
+    rows = np.arange(len(cloud)) if rows is None else rows
+    return cloud.take(np.flatnonzero(~lonely)), rows[~lonely], rows[lonely]
+
+
+def _in_rows_of_the_input(
+    result: Simplification, rows: np.ndarray | None, outliers: np.ndarray | None, n_input: int
+) -> Simplification:
     """The result with its indices counted in the input, before points were left out."""
     if rows is None:
         return result
     indices = None if result.indices is None else rows[result.indices]
-    info = {**result.info, "n_left_out": n_input - len(rows)}
+    info: dict[str, Any] = {**result.info, "n_left_out": n_input - len(rows)}
+    if outliers is not None:
+        info |= {"n_left_out": info["n_left_out"] - len(outliers), "outliers": outliers}
     return replace(result, indices=indices, info=info)

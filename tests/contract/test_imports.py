@@ -28,7 +28,7 @@ ALLOWED = {
     "listing": CORE | {"registry", "models"},
     "testing": CORE | {"registry"},
     "interplay": CORE,
-    "simplify": CORE | {"checks", "interplay", "max_error", "registry", "isolation"},
+    "simplify": CORE | {"checks", "geometry", "interplay", "max_error", "registry", "isolation"},
     "large": CORE
     | {"checks", "files", "geometry", "io", "paper", "progress", "registry", "threads", "uniform"},
     "isolation": CORE | {"registry", "threads", "children", "io", "benchmark"},

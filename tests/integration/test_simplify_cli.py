@@ -206,6 +206,20 @@ def test_bad_files_are_one_sentence_and_no_output(kind, suffix, lpcompare, cloud
     assert [p.name for p in tmp_path.iterdir()] == [path.name]
 
 
+def test_points_that_lie_alone_are_left_out_on_request(lpcompare, cloud, tmp_path):
+    far = np.concatenate([cloud.points, cloud.points.max(axis=0) + [[50.0, 0, 0], [0, 60, 0]]])
+    write(tmp_path / "in.ply", PointCloud(far))
+    code, out, err = lpcompare(tmp_path / "in.ply", tmp_path / "out.ply", *QUICK, "--drop-outliers", 5)
+    assert (code, err) == (0, "")
+    assert b"2 points that lie alone were left out" in out
+    assert read(tmp_path / "out.ply").points.max() <= cloud.points.max()
+    code, out, err = lpcompare(
+        tmp_path / "in.ply", tmp_path / "o.ply", *QUICK, "--drop-outliers", 5, "--tiles", 2
+    )
+    assert (code, out) == (2, b"")
+    assert "--drop-outliers needs the whole cloud in memory" in err
+
+
 def test_points_without_coordinates_are_left_out_and_counted(lpcompare, cloud, tmp_path):
     path = spoilt("nan", ".ply", cloud, tmp_path)
     code, out, err = lpcompare(path, tmp_path / "out.ply", *QUICK)

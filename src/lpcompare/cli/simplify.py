@@ -18,6 +18,8 @@ import typer
 from lpcompare.cli._large import Large, simplify_large
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from lpcompare.isolation import Limits
     from lpcompare.types import PointCloud, Simplification
 
@@ -40,6 +42,7 @@ class _Order:
     limits: Limits | None
     seed: int
     strict: bool
+    drop_outliers: float | None
     rank: bool
     refine: bool
     evaluate: bool
@@ -73,6 +76,13 @@ def command(
         bool,
         typer.Option("--strict", help="Refuse points without coordinates; else they are left out."),
     ] = False,
+    drop_outliers: Annotated[
+        float | None,
+        typer.Option(
+            metavar="DEVIATIONS",
+            help="Leave out points that lie alone by so many standard deviations; 2 is usual.",
+        ),
+    ] = None,
     evaluate: Annotated[bool, typer.Option("--evaluate", help="Print every quick metric in full.")] = False,
     seed: Annotated[int, typer.Option(help="Seed of every random draw.")] = 0,
     isolate: Annotated[bool, typer.Option("--isolate", help="Call the method in a child process.")] = False,
@@ -119,6 +129,7 @@ def command(
         limits=_limits(time_limit, memory_limit) if isolate or time_limit or memory_limit else None,
         seed=check_integer("seed", seed, 0),
         strict=strict,
+        drop_outliers=drop_outliers,
         rank=rank,
         refine=refine,
         evaluate=evaluate,
@@ -159,6 +170,7 @@ def _in_tiles(inputs: list[str], out: str, order: _Order, large: Large, callback
         "--refine": order.refine,
         "--evaluate": order.evaluate,
         "--strict": order.strict,
+        "--drop-outliers": order.drop_outliers is not None,
         "--isolate": order.limits is not None,
     }
     if given := [name for name, is_given in options.items() if is_given]:
@@ -221,6 +233,7 @@ def _simplify_file(source: Path, target: Path | str, order: _Order, callback: Ca
         **order.how_far,
         method=order.method,
         drop_invalid=True,
+        drop_outliers=order.drop_outliers,
         order=order.rank,
         random_state=order.seed,
         callback=callback,
@@ -241,17 +254,27 @@ def _refined(cloud: PointCloud, result: Simplification) -> Simplification:
     """The result after swaps of its points, where it is a subset."""
     from dataclasses import replace
 
-    from lpcompare.checks import valid_rows
     from lpcompare.errors import InputError
     from lpcompare.uniform.swaps import refine
 
     if result.indices is None:
         raise InputError(f"--refine swaps points of the input, and {result.method} makes new ones.")
-    rows = valid_rows(cloud.points).nonzero()[0]
+    rows = _looked_at(cloud, result)
     begin = perf_counter()
     kept = rows[refine(cloud.points[rows], rows.searchsorted(result.indices))]
     seconds = (result.runtime_s or 0.0) + perf_counter() - begin
     return replace(result, points=cloud.points[kept], indices=kept, runtime_s=seconds)
+
+
+def _looked_at(cloud: PointCloud, result: Simplification) -> np.ndarray:
+    """The rows of the file that the method was given."""
+    import numpy as np
+
+    from lpcompare.checks import valid_rows
+
+    given = valid_rows(cloud.points)
+    given[result.info.get("outliers", [])] = False
+    return np.flatnonzero(given)
 
 
 def _write(source: Path, path: Path, cloud: PointCloud, result: Simplification, *, rank: bool) -> list[str]:
@@ -264,6 +287,8 @@ def _write(source: Path, path: Path, cloud: PointCloud, result: Simplification, 
     notes = [result.note] if result.note else []
     if n_left_out := result.info.get("n_left_out"):
         notes.append(f"{n_left_out:,} points without coordinates were left out")
+    if n_outliers := len(result.info.get("outliers", ())):
+        notes.append(f"{n_outliers:,} points that lie alone were left out")
     if result.indices is None:
         return [*notes, *write(path, PointCloud(result.points, name=cloud.name)), _MOVED]
     faces = [_FACES_LEFT_OUT] if cloud.faces is not None else []
@@ -297,11 +322,10 @@ def _plane_error(cloud: PointCloud, result: Simplification) -> tuple[float, floa
     """Mean plane error in model units, the diagonal, and whether a sample was judged."""
     import numpy as np
 
-    from lpcompare.checks import valid_rows
     from lpcompare.geometry.scale import bounding_box_diagonal
     from lpcompare.metrics.comparison import Comparison
 
-    points = cloud.points[valid_rows(cloud.points)]
+    points = cloud.points[_looked_at(cloud, result)]
     diagonal = bounding_box_diagonal(points)
     sampled = len(points) > _JUDGED
     if sampled:
