@@ -162,6 +162,12 @@ def claims() -> Iterator[str]:
     yield runpy.run_path(str(REPORTS / "claims.py"))["table"]()
 
 
+def evidence() -> Iterator[str]:
+    """The README's table, for a page of this folder."""
+    for table in claims():
+        yield table.replace("](reports/", "](../reports/")
+
+
 def command() -> Iterator[str]:
     """The help texts of the command."""
     app = typer.main.get_command(build_app())
@@ -220,7 +226,20 @@ def models() -> Iterator[str]:
 
 PARTS = {
     f.__name__: f
-    for f in (choice, inputs, reach, uniform, times, bunny, claims, command, python, metrics, models)
+    for f in (
+        choice,
+        inputs,
+        reach,
+        uniform,
+        times,
+        bunny,
+        claims,
+        evidence,
+        command,
+        python,
+        metrics,
+        models,
+    )
 }
 
 
