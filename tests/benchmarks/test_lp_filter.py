@@ -143,7 +143,9 @@ def test_selection_against_cold_highs(benchmark, cloud):
 def test_whole_filter_against_the_reference(benchmark, bunny):
     ratio = compare(
         benchmark,
-        lambda: lpcompare.simplify(bunny, target_reduction=REDUCTION, n_clusters=N_CLUSTERS),
+        lambda: lpcompare.simplify(
+            bunny, method="lp_density", target_reduction=REDUCTION, n_clusters=N_CLUSTERS
+        ),
         lambda: reference_filter(bunny),
         repeats=1,
     )

@@ -24,9 +24,9 @@ def sampled(path, n_points):
 
 n_points, path = int(sys.argv[1]), sys.argv[2]
 points = sampled(path, n_points) if path else wavy(n_points)
-lpcompare.simplify(wavy(3000), target_reduction=0.9)
+lpcompare.simplify(wavy(3000), method="lp_density", target_reduction=0.9)
 began = time.perf_counter()
-result = lpcompare.simplify(points, target_reduction=0.9)
+result = lpcompare.simplify(points, method="lp_density", target_reduction=0.9)
 print(json.dumps({
     "seconds": time.perf_counter() - began,
     "stages_us_per_point": {k: 1e6 * v / n_points for k, v in result.timings.items()},
