@@ -176,12 +176,12 @@ def commands(survey, folder, reduction, memory_limit):
         "lpcompare random_sample": ours("random_sample"),
         "lpcompare voxel_nearest": ours("voxel_nearest"),
         "lpcompare lp_density": ours("lp_density"),
-        "lpcompare lp_uniform": ours("lp_uniform"),
         "laspy streamed random choice": ([*script, "laspy", str(survey), str(own), str(reduction)], own),
         "Open3D voxel grid": ([*script, "open3d", str(ply), str(thin), str(voxel)], thin),
         "CloudCompare SPATIAL": theirs("SPATIAL", f"{distance:.6g}"),
         "CloudCompare OCTREE": theirs("OCTREE", str(level)),
         "CloudCompare RANDOM": theirs("RANDOM", str(n_keep)),
+        "lpcompare lp_uniform": ours("lp_uniform"),
     }
 
 

@@ -207,7 +207,8 @@ def test_bad_files_are_one_sentence_and_no_output(kind, suffix, lpcompare, cloud
 
 
 def test_points_that_lie_alone_are_left_out_on_request(lpcompare, cloud, tmp_path):
-    far = np.concatenate([cloud.points, cloud.points.max(axis=0) + [[50.0, 0, 0], [0, 60, 0]]])
+    lonely = np.add(cloud.points.max(axis=0), [[50.0, 0, 0], [0, 60, 0]])
+    far = np.concatenate([cloud.points, lonely])
     write(tmp_path / "in.ply", PointCloud(far))
     code, out, err = lpcompare(tmp_path / "in.ply", tmp_path / "out.ply", *QUICK, "--drop-outliers", 5)
     assert (code, err) == (0, "")

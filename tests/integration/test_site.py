@@ -53,6 +53,16 @@ def test_every_page_fits_a_phone_and_asks_for_nothing(site, page):
     assert not page.noted
 
 
+@pytest.mark.parametrize("page", ["phone"], indirect=True)
+def test_a_reader_who_listens_or_types_reaches_all_of_it(site, page):
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="axe is not installed").Axe()
+    for name in ("index", "which-method", "background/program", "reference/python"):
+        page.goto((site / f"{name}.html").as_uri())
+        page.wait_for_timeout(300)
+        faults = axe.run(page).response["violations"]
+        assert [f["id"] for f in faults if f["impact"] in ("serious", "critical")] == []
+
+
 def test_search_works_from_the_disk(site, page):
     page.goto((site / "index.html").as_uri())
     if page.viewport_size["width"] < 1000:
