@@ -6,6 +6,7 @@ A page marks such a part with ``<!-- made by docs/make.py: NAME -->`` before it 
 
 from __future__ import annotations
 
+import csv
 import math
 import re
 import runpy
@@ -40,6 +41,15 @@ GOALS = {
     "hausdorff_pct": "no holes: no original is far from a kept point",
     "density_objective_pct": "density: thick places stay thick, thin places thin (eq. 14)",
     "spacing_variation": "evenness: all kept points are equally far apart",
+}
+DAMAGED = {
+    "plane_error_pct": "eq. 27, k = 8",
+    "plane_error_k12_pct": "k = 12",
+    "surface_distance_pct": "surface",
+    "hausdorff_pct": "Hausdorff",
+    "mean_distance_pct": "coverage",
+    "normal_deviation_deg": "normals",
+    "mls_distance_pct": "MLS",
 }
 KINDS = {"your own points": (False, False), "new points": (True, False), "the mesh is known": (None, True)}
 TIMED = (
@@ -140,6 +150,24 @@ def uniform() -> Iterator[str]:
         yield from ("", f"## `{method}`, case by case", "", *study["by_case"](cases, method))
 
 
+def damaged() -> Iterator[str]:
+    """`lp_uniform` over Poisson disk sampling on damaged inputs, from reports/robustness."""
+    frame = load_run(REPORTS / "robustness").frame
+    by = ["perturbation", "perturbation_level", "model"]
+    ours, theirs = (
+        frame[frame.method.eq(method)].set_index(by)[list(DAMAGED)] for method in ("lp_uniform", REFERENCE)
+    )
+    ratios = (ours / theirs).groupby(by[:2])
+    rows = [
+        [
+            f"{kind} {level:g}" if kind != "none" else "none",
+            *(f"{geometric_mean(part[key]):.2f} ({part[key].max():.2f})" for key in DAMAGED),
+        ]
+        for (kind, level), part in ratios
+    ]
+    yield from markdown_table(["damage", *DAMAGED.values()], rows, "---")
+
+
 def times() -> Iterator[str]:
     """Seconds on the bunny, from reports/bunny."""
     run = load_run(REPORTS / "bunny")
@@ -155,6 +183,26 @@ def times() -> Iterator[str]:
 def bunny() -> Iterator[str]:
     """The last table of the main job, from reports/bunny."""
     yield from ("```text", format_run(load_run(REPORTS / "bunny")).split("\n\n")[2].rstrip(), "```")
+
+
+def rivals() -> Iterator[str]:
+    """Programs that thin the survey, from reports/large."""
+    with (REPORTS / "large" / "rivals.csv").open(newline="", encoding="utf-8") as file:
+        found = list(csv.DictReader(file))
+    rows = [
+        [
+            row["program"],
+            f"{int(row['kept']):,}",
+            f"{float(row['seconds']):.0f}",
+            f"{float(row['cpu_s']):.0f}",
+            f"{float(row['peak_mib']):,.0f}",
+            f"{float(row['plane_error']):.3f}",
+        ]
+        for row in sorted(found, key=lambda row: float(row["plane_error"]))
+    ]
+    yield from markdown_table(
+        ["program", "kept", "wall s", "CPU s", "peak memory, MiB", "plane error, m"], rows, "---"
+    )
 
 
 def claims() -> Iterator[str]:
@@ -231,8 +279,10 @@ PARTS = {
         inputs,
         reach,
         uniform,
+        damaged,
         times,
         bunny,
+        rivals,
         claims,
         evidence,
         command,

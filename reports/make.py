@@ -13,7 +13,6 @@ from __future__ import annotations
 import argparse
 import json
 import os
-import shutil
 import subprocess
 import sys
 import time
@@ -23,6 +22,8 @@ ROOT = Path(__file__).resolve().parents[1]
 LOCAL, MADE = ROOT / "reports" / "local", ROOT / "reports" / "local" / "made.json"
 KEPT = ("run.json", "records.csv", "README.md")
 """What is committed of a run's folder."""
+
+SCANS = ("lidar-room-56159", "rangemap-lato315-62702")
 
 Words = list[str]
 
@@ -45,6 +46,8 @@ def steps(models: Path) -> dict[str, list[Words]]:
     measure = [*python, "-m", "pytest", "-q"]
     scans = [f"{models}/upstream/stanford-bunny.obj", f"{models}/scans/max-planck-45045.ply"]
     shapes = ("stanford-bunny", "fandisk", "igea", "beast", "nefertiti", "ogre", scans[1])
+    some = ("stanford-bunny", "fandisk", *(f"{models}/scans/{scan}.ply" for scan in SCANS))
+    damaged = [word for shape in some for word in ("--model", shape)]
     every = [word for shape in shapes for word in ("--model", shape)]
     return {
         "bunny": run("bunny", "--model", "bunny"),
@@ -69,6 +72,7 @@ def steps(models: Path) -> dict[str, list[Words]]:
                 "--benchmark-json=reports/benchmarks/filter.json",
             ],
         ],
+        "robustness": run("robustness", "--study", "reports/robustness/study.toml", *damaged),
         "pictures": [[*python, "reports/pictures/draw.py", "reports/local/bunny"]],
         "texts": [[*python, "docs/make.py"]],
     }
@@ -81,8 +85,10 @@ def make(name: str, commands: list[Words], models: Path) -> float:
         subprocess.run(
             words, cwd=ROOT, check=True, env={**os.environ, "LPCOMPARE_MODELS": str(models / "upstream")}
         )
-    for file in KEPT if name in ("bunny", "methods") else ():
-        shutil.copy(LOCAL / name / file, ROOT / "reports" / name / file)
+    for file in KEPT if name in ("bunny", "methods", "robustness") else ():
+        text = (LOCAL / name / file).read_text(encoding="utf-8")
+        kept = ROOT / "reports" / name / file
+        kept.write_text(text.replace(f"{models}/scans/", ""), encoding="utf-8", newline="")
     return time.monotonic() - began
 
 

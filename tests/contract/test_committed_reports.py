@@ -20,7 +20,7 @@ def test_every_claim_of_the_readme_is_what_the_committed_files_say():
     assert runpy.run_path(str(REPORTS / "claims.py"))["table"]() in readme()
 
 
-@pytest.mark.parametrize("study", ["bunny", "methods"])
+@pytest.mark.parametrize("study", ["bunny", "methods", "robustness"])
 def test_the_page_of_a_study_is_made_from_its_run(study, tmp_path):
     page = write_study_page(load_run(REPORTS / study), tmp_path / "README.md", "poisson_disk")
     assert (REPORTS / study / "README.md").read_text(encoding="utf-8") == page.read_text(encoding="utf-8")
