@@ -14,7 +14,7 @@ from numba import njit
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from lpcompare.paper.k_means import k_means, nearest_centers
+from lpcompare.geometry.k_means import k_means, nearest_centers
 from lpcompare.threads import BLOCK, Progress, for_blocks
 from lpcompare.types import Indices, Points, Vector
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from sklearn.cluster import KMeans
 
-from lpcompare.paper.k_means import k_means, nearest_centers
+from lpcompare.geometry.k_means import k_means, nearest_centers
 
 
 @pytest.mark.parametrize("seed", range(6))
