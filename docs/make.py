@@ -42,15 +42,6 @@ GOALS = {
     "density_objective_pct": "density: thick places stay thick, thin places thin (eq. 14)",
     "spacing_variation": "evenness: all kept points are equally far apart",
 }
-DAMAGED = {
-    "plane_error_pct": "eq. 27, k = 8",
-    "plane_error_k12_pct": "k = 12",
-    "surface_distance_pct": "surface",
-    "hausdorff_pct": "Hausdorff",
-    "mean_distance_pct": "coverage",
-    "normal_deviation_deg": "normals",
-    "mls_distance_pct": "MLS",
-}
 KINDS = {"your own points": (False, False), "new points": (True, False), "the mesh is known": (None, True)}
 TIMED = (
     "random_sample",
@@ -152,20 +143,19 @@ def uniform() -> Iterator[str]:
 
 def damaged() -> Iterator[str]:
     """`lp_uniform` over Poisson disk sampling on damaged inputs, from reports/robustness."""
-    frame = load_run(REPORTS / "robustness").frame
-    by = ["perturbation", "perturbation_level", "model"]
+    study, frame = _uniform()[0], load_run(REPORTS / "robustness").frame
+    measures, by = study["COLUMNS"], ["perturbation", "perturbation_level", "model"]
     ours, theirs = (
-        frame[frame.method.eq(method)].set_index(by)[list(DAMAGED)] for method in ("lp_uniform", REFERENCE)
+        frame[frame.method.eq(method)].set_index(by)[list(measures)] for method in ("lp_uniform", REFERENCE)
     )
-    ratios = (ours / theirs).groupby(by[:2])
     rows = [
         [
-            f"{kind} {level:g}" if kind != "none" else "none",
-            *(f"{geometric_mean(part[key]):.2f} ({part[key].max():.2f})" for key in DAMAGED),
+            kind if kind == "none" else f"{kind} {level:g}",
+            *(study["mean_and_worst"](list(part[key])) for key in measures),
         ]
-        for (kind, level), part in ratios
+        for (kind, level), part in (ours / theirs).groupby(by[:2])
     ]
-    yield from markdown_table(["damage", *DAMAGED.values()], rows, "---")
+    yield from markdown_table(["damage", *measures.values()], rows, "---")
 
 
 def times() -> Iterator[str]:

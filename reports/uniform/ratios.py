@@ -52,7 +52,7 @@ def summary(cases: dict) -> list[str]:
     lines = [_line("method", "cases", *COLUMNS.values()), _line(*["---"] * (len(COLUMNS) + 2))]
     for method in methods:
         found = list(ratios(cases, method).values())
-        cells = [_mean_and_worst([row[name] for row in found]) for name in COLUMNS]
+        cells = [mean_and_worst([row[name] for row in found]) for name in COLUMNS]
         lines.append(_line(method, str(len(found)), *cells))
     return lines
 
@@ -63,7 +63,7 @@ def by_reduction(cases: dict, method: str) -> list[str]:
     for reduction in sorted({reduction for _, reduction in cases}, key=float):
         some = {case: rows for case, rows in cases.items() if case[1] == reduction}
         found = list(ratios(some, method).values())
-        cells = [_mean_and_worst([row[name] for row in found]) for name in COLUMNS]
+        cells = [mean_and_worst([row[name] for row in found]) for name in COLUMNS]
         lines.append(_line(f"{100 * float(reduction):.0f} %", str(len(found)), *cells))
     return lines
 
@@ -97,7 +97,8 @@ def by_case(cases: dict, method: str) -> list[str]:
     return lines
 
 
-def _mean_and_worst(values: list[float]) -> str:
+def mean_and_worst(values: list[float]) -> str:
+    """Geometric mean, and the largest in brackets."""
     return f"{geometric_mean(values):.2f} ({max(values):.2f})"
 
 
