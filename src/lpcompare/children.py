@@ -46,7 +46,7 @@ _PYTHON_KEPT = (
     "PYTHONUSERBASE",
 )
 _MARK = "LPCOMPARE_CHILD"
-_NURSERY_S, _END_S, _LOOK_S, _LOOKS_WITHOUT = 0.5, 4.0, 0.1, 2
+_NURSERY_S, _LOOK_S = 0.5, 0.1
 _PREFIX, _NEW, _NEW_SECONDS = "lpcompare-", "lpcompare-new-", 600
 
 
@@ -339,15 +339,24 @@ def _end_marked(mark: str, guards: Collection[int] = ()) -> None:
 
     Those below guards that are alive stay. One look can miss a process that is started during it.
     """
+
+    def find() -> list[int]:
+        found = _marked(mark, guards)
+        if not found:
+            time.sleep(_LOOK_S)
+            found = _marked(mark, guards)
+        return found
+
+    _guard.end_processes(find)
+
+
+def _marked(mark: str, guards: Collection[int]) -> list[int]:
     import psutil
 
-    looks_without, deadline = 0, time.monotonic() + _END_S
-    while looks_without < _LOOKS_WITHOUT and time.monotonic() < deadline:
-        looks_without += 1
-        for process in psutil.process_iter():
-            with suppress(psutil.Error):
-                above = {process.pid, *(parent.pid for parent in process.parents())}
-                if process.environ().get(_MARK) == mark and above.isdisjoint(guards):
-                    process.kill()
-                    looks_without = 0
-        time.sleep(_LOOK_S)
+    found = []
+    for process in psutil.process_iter():
+        with suppress(psutil.Error):
+            above = {process.pid, *(parent.pid for parent in process.parents())}
+            if process.environ().get(_MARK) == mark and above.isdisjoint(guards):
+                found.append(process.pid)
+    return found

@@ -90,12 +90,13 @@ def prepare(methods: Sequence[str], metrics: Sequence[str]) -> None:
     from highspy import Highs
     from threadpoolctl import threadpool_limits
 
+    own = [name for name in methods if METHODS.origin(name) == "lpcompare.methods"]
     with threadpool_limits(1):
-        helper = _compile_apart(lambda: _try_metrics(metrics))
-        for name in methods:
-            if METHODS.origin(name) == "lpcompare.methods":
-                call(name, _torus(), 64, random_state=0)
-        os.waitpid(helper, 0)
+        helper = _compile_apart(lambda: _try_metrics(metrics)) if own else None
+        for name in own:
+            call(name, _torus(), 64, random_state=0)
+        if helper:
+            os.waitpid(helper, 0)
         _try_metrics(metrics)
     Highs.resetGlobalScheduler(True)
 
