@@ -1,4 +1,4 @@
-"""HiGHS given a starting solution, for a cvxpy problem.
+"""HiGHS given a starting solution: for a cvxpy problem, and for a program given as a matrix.
 
 cvxpy's own warm start only reuses its previous solve, so the problem's data go to highspy directly.
 """
@@ -12,6 +12,7 @@ from typing import Any
 import cvxpy as cp
 import highspy
 import numpy as np
+from scipy.sparse import csc_array
 
 from lpcompare.errors import SolverError
 from lpcompare.types import Indices, Mask, Vector
@@ -47,11 +48,87 @@ class Outcome:
         Lower bound on the objective that HiGHS proved.
     values : ndarray, shape (c,)
         The solution, in the order of the columns that were asked for.
+    prices : ndarray, shape (r,)
+        What the objective would change by if the limits of a row were one more; without integers only.
+    reduced : ndarray, shape (c,)
+        What the objective would change by if a column were one more; without integers only.
     """
 
     status: str
     bound: float
     values: Vector
+    prices: Vector
+    reduced: Vector
+
+
+@dataclass(frozen=True, eq=False)
+class Program:
+    """A mixed-integer linear program: minimise ``costs @ x`` between limits of the rows and of the columns.
+
+    Attributes
+    ----------
+    costs : ndarray, shape (c,)
+    matrix : scipy.sparse.csc_array, shape (r, c)
+    rows : tuple of ndarray, shape (r,)
+        Least and largest value of each row of ``matrix @ x``.
+    columns : tuple of ndarray, shape (c,)
+        Least and largest value of each column.
+    boolean : ndarray of bool, shape (c,)
+        Columns that are whole numbers.
+    """
+
+    costs: Vector
+    matrix: csc_array
+    rows: tuple[Vector, Vector]
+    columns: tuple[Vector, Vector]
+    boolean: Mask
+
+    def solve(
+        self, options: dict[str, Any], *, start: Vector | None = None, cancelled: Event | None = None
+    ) -> Outcome:
+        """Solve by HiGHS on one thread, from a starting solution if there is one.
+
+        Raises
+        ------
+        SolverError
+            HiGHS ended without a solution.
+        """
+        solver = _QuietHighs()
+        for name, value in (_OPTIONS | options).items():
+            solver.setOptionValue(name, value)
+        self._pass_to(solver)
+        if start is not None:
+            solution = highspy.HighsSolution()
+            solution.col_value = start.tolist()
+            solution.value_valid = True
+            solver.setSolution(solution)
+        if cancelled is not None:
+            _watch(solver, cancelled)
+        # an earlier solve with another number of threads leaves this thread a scheduler that refuses ours
+        highspy.Highs.resetGlobalScheduler(True)
+        solver.run()
+        return _outcome(solver)
+
+    def _pass_to(self, solver: highspy.Highs) -> None:
+        integer, continuous = highspy.HighsVarType.kInteger, highspy.HighsVarType.kContinuous
+        # the arrays as such: an attribute of a HighsLp is copied number by number
+        solver.passModel(
+            len(self.costs),
+            len(self.rows[0]),
+            self.matrix.nnz,
+            int(highspy.MatrixFormat.kColwise),
+            int(highspy.ObjSense.kMinimize),
+            0.0,
+            self.costs,
+            self.columns[0],
+            self.columns[1],
+            self.rows[0],
+            self.rows[1],
+            self.matrix.indptr.astype(np.int32),
+            self.matrix.indices.astype(np.int32),
+            np.asarray(self.matrix.data, dtype=np.float64),
+            np.where(self.boolean, int(integer), int(continuous)).astype(np.int32),
+        )
 
 
 class Canonical:
@@ -115,45 +192,22 @@ class Canonical:
         SolverError
             HiGHS ended without a solution.
         """
-        solver = _QuietHighs()
         options = {"objective_target": objective_target, "time_limit": time_limit, "mip_rel_gap": gap}
-        for name, value in (_OPTIONS | options).items():
-            solver.setOptionValue(name, value)
-        self._pass_model(solver, columns)
-        solution = highspy.HighsSolution()
-        solution.col_value = start.tolist()
-        solution.value_valid = True
-        solver.setSolution(solution)
-        if cancelled is not None:
-            _watch(solver, cancelled)
-        # an earlier solve with another number of threads leaves this thread a scheduler that refuses ours
-        highspy.Highs.resetGlobalScheduler(True)
-        solver.run()
-        return _outcome(solver)
+        return self._block(columns).solve(options, start=start, cancelled=cancelled)
 
-    def _pass_model(self, solver: highspy.Highs, columns: Indices) -> None:
-        """Hand over the rows that touch the columns, equalities first, then rows at most b."""
+    def _block(self, columns: Indices) -> Program:
+        """The rows that touch the columns, equalities first, then rows at most b."""
         matrix = self._matrix[:, columns]
         touched = np.bincount(matrix.indices, minlength=len(self._right)) > 0
         rows, right = np.flatnonzero(touched), self._right[touched]
-        integer, continuous = highspy.HighsVarType.kInteger, highspy.HighsVarType.kContinuous
-        # the arrays as such: an attribute of a HighsLp is copied number by number
-        solver.passModel(
-            len(columns),
-            len(rows),
-            matrix.nnz,
-            int(highspy.MatrixFormat.kColwise),
-            int(highspy.ObjSense.kMinimize),
-            0.0,
+        left = np.where(rows < self._n_equalities, right, -highspy.kHighsInf)
+        places = (np.cumsum(touched) - 1)[matrix.indices]
+        return Program(
             self._costs[columns],
-            self._lower[columns],
-            self._upper[columns],
-            np.where(rows < self._n_equalities, right, -highspy.kHighsInf),
-            right,
-            matrix.indptr.astype(np.int32),
-            (np.cumsum(touched, dtype=np.int32) - 1)[matrix.indices],
-            matrix.data,
-            np.where(self._boolean[columns], int(integer), int(continuous)).astype(np.int32),
+            csc_array((matrix.data, places, matrix.indptr), shape=(len(rows), len(columns))),
+            (left, right),
+            (self._lower[columns], self._upper[columns]),
+            self._boolean[columns],
         )
 
 
@@ -165,7 +219,8 @@ def _outcome(solver: highspy.Highs) -> Outcome:
         )
     named = {"kTimeLimit": "time limit", "kSolutionLimit": "time limit", "kInterrupt": "interrupted"}
     bound = float(solver.getInfo().mip_dual_bound)
-    return Outcome(named.get(status, "optimal"), bound, np.array(solution.col_value))
+    prices, reduced = np.array(solution.row_dual), np.array(solution.col_dual)
+    return Outcome(named.get(status, "optimal"), bound, np.array(solution.col_value), prices, reduced)
 
 
 def _bounds(data: dict[str, Any], boolean: Mask) -> tuple[Vector, Vector]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from lpcompare.types import Indices, Vector
 
@@ -26,9 +25,12 @@ class DensityBand:
 
     Attributes
     ----------
-    arrays : tuple
-        What `lpcompare.uniform.swaps.pair_up` takes: labels, costs, the number of kept points and the sum of
-        their costs in every cluster, tolerance.
+    counts : ndarray of int, shape (K,)
+        Kept points of every cluster.
+    sums : ndarray, shape (K,)
+        Sum of C_i - 1 over them: the cluster's density is too high by ``sums / counts``.
+    prices : ndarray, shape (2, K)
+        What the error would fall by if the density might rise, and if it might fall, by one point's share more.
     """
 
     def __init__(
@@ -36,33 +38,23 @@ class DensityBand:
     ) -> None:
         n_clusters = int(labels.max()) + 1 if offsets is None else len(offsets)
         self._offsets = np.zeros(n_clusters) if offsets is None else offsets
-        counts, sums = np.zeros(n_clusters, dtype=np.int64), np.zeros(n_clusters)
-        self.arrays = labels, costs, counts, sums, tolerance
+        self.labels, self.costs, self.tolerance = labels, costs, tolerance
+        self.counts, self.sums = np.zeros(n_clusters, dtype=np.int64), np.zeros(n_clusters)
+        self.prices = np.zeros((2, n_clusters))
 
-    def sorted(self, order: Indices) -> DensityBand:
-        """The band for the originals ``order``."""
-        labels, costs, _, _, tolerance = self.arrays
-        return DensityBand(labels[order], costs[order], tolerance, self._offsets)
-
-    def start(self, kept: Indices) -> None:
-        """Count the points ``kept``."""
-        labels, costs, counts, sums, _ = self.arrays
-        counts[:] = np.bincount(labels[kept], minlength=len(counts))
-        sums[:] = self._offsets + np.bincount(labels[kept], weights=costs[kept], minlength=len(counts))
+    def start(self, kept: Indices, price: float) -> None:
+        """Count the points ``kept``; a density outside its band costs ``price`` for each point's share."""
+        n_clusters, labels = len(self.counts), self.labels[kept]
+        self.counts = np.bincount(labels, minlength=n_clusters)
+        self.sums = self._offsets + np.bincount(labels, self.costs[kept] - 1.0, n_clusters)
+        room = self.tolerance * self.counts
+        self.prices = np.maximum(self.prices, price * np.array([self.sums > room, self.sums < -room]))
 
     def pull(self) -> Vector:
-        """How much dropping each original would bring its cluster back, in points' shares, shape (n,).
+        """What dropping each original is worth for the densities at the prices, shape (n,).
 
-        Positive where the density is above its band and the original adds to it, or below and it takes from
-        it; 0 in clusters that are in their band.
+        Positive where the density should fall and the original adds to it, or should rise and it takes from it.
         """
-        labels, costs, counts, sums, tolerance = self.arrays
-        deviations = np.where(counts > 0, sums / np.maximum(counts, 1) - 1.0, 0.0)
-        sides = np.where(np.abs(deviations) > tolerance, np.sign(deviations), 0.0)
-        return sides[labels] * (costs - 1.0)
-
-
-@njit(cache=True, nogil=True)
-def deviation(total, count):
-    """What the mean cost of a cluster's kept points differs from one by; 0 for a cluster without any."""
-    return abs(total / count - 1.0) if count > 0 else 0.0
+        high, low = self.prices
+        pull: Vector = (high - low)[self.labels] * (self.costs - 1.0)
+        return pull

@@ -2,8 +2,8 @@
 
 Every original belongs to its nearest kept point. In each round some kept points whose originals carry little
 error are dropped, and originals are taken where the error is largest, none beside another. This is a trial: the
-errors afterwards say what each drop cost and each addition gained. Pairs that gained more than they cost stay,
-as far as the densities of the clusters bear them; the others are taken back. So a point that lies off its
+errors afterwards say what each drop cost and each addition gained. A boolean program chooses those that stay, so
+that they save most and the clusters keep their densities; the others are taken back. So a point that lies off its
 surface, which an outlier or noise makes look urgent, does not stay: it spoils the planes of its neighbours.
 Nothing is dropped that would leave an original farther from the reduced cloud than the hole limit, and
 originals that are farther already come first.
@@ -22,15 +22,15 @@ from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.geometry.scale import normalize
 from lpcompare.geometry.surface import estimate_surface
 from lpcompare.types import Indices, Mask, Points, Vector
-from lpcompare.uniform.densities import DensityBand, deviation
+from lpcompare.uniform.densities import DensityBand
 from lpcompare.uniform.disks import disk_radius
 from lpcompare.uniform.neighborhoods import Neighborhoods
+from lpcompare.uniform.swap_program import choose_swaps
 
-_FIRST_SHARE = 0.12
-_LAST_SHARE = 0.024
+_FIRST_SHARE = 0.2
+_LAST_SHARE = 0.06
 _LOOK_AHEAD = 4
-_PARTNERS = 500
-_RING = 8
+_RING = 5
 _DENSITY_PRICE = 3.0
 """What one cell's worth of error a swap may cost that brings a density back by one point's share."""
 
@@ -53,9 +53,9 @@ class Emphasis:
 
 
 EMPHASES = {
-    "balanced": Emphasis(hole_limit=1.28, triangle_share=0.3),
+    "balanced": Emphasis(hole_limit=1.28, triangle_share=0.2),
     "error": Emphasis(hole_limit=1.8, triangle_share=0.0),
-    "coverage": Emphasis(hole_limit=1.1, triangle_share=0.3),
+    "coverage": Emphasis(hole_limit=1.1, triangle_share=0.2),
 }
 
 
@@ -152,21 +152,16 @@ def _swap_once(
     state: Neighborhoods, limit: float, band: DensityBand, n_swaps: int, movable: Mask | None
 ) -> bool:
     """Try one round and take back what did not pay; whether anything was tried."""
-    band.start(state.kept)
     price = _DENSITY_PRICE * float(state.errors.mean()) * len(state.errors) / len(state.kept)
-    dropped, added = _candidates(state, limit, price * band.pull(), n_swaps, movable)
+    band.start(state.kept, price)
+    dropped, added = _candidates(state, limit, band.pull(), n_swaps, movable)
     if not len(added) or not len(dropped):
         return False
     before, holes = state.errors, state.gaps[added, 0] > limit
     state.swap(dropped, added)
     costs, gains = _effects(state, before, dropped, added)
     gains[holes] = np.inf
-    pull = price * band.pull()
-    drop_order = np.argsort(costs - pull[dropped], kind="stable")
-    add_order = np.argsort(pull[added] - gains, kind="stable")
-    dropped, added, costs, gains = dropped[drop_order], added[add_order], costs[drop_order], gains[add_order]
-    most, least = gains - pull[added], costs - pull[dropped]
-    stay_out, stay_in = pair_up(dropped, costs, least, added, gains, most, price, *band.arrays)
+    stay_out, stay_in = choose_swaps(band, dropped, costs, added, gains, price)
     state.swap(added[~stay_in], dropped[~stay_out])
     return True
 
@@ -236,54 +231,3 @@ def _worst_of_each_cell(owners, takeable, gaps, errors, limit, n_cells):
             if urgency > most[owners[i]]:
                 worst[owners[i]], most[owners[i]] = i, urgency
     return worst[worst >= 0]
-
-
-@njit(cache=True, nogil=True)
-def pair_up(dropped, costs, least, added, gains, most, price, labels, shares, counts, sums, tolerance):
-    """Which drops and which additions stay, equally many.
-
-    Each addition, the best first, is paired with the first drop that makes a swap that pays: it gains more than
-    it costs, where ``price`` is paid for each point's share by which a density comes back to its band, and no
-    density leaves its band or goes farther from it. ``most`` and ``least`` are the gain and the cost at best,
-    in whose order the candidates are. A gain of infinity, which closes a hole, always finds a drop.
-    """
-    stay_out, stay_in = np.zeros(len(dropped), np.bool_), np.zeros(len(added), np.bool_)
-    first = 0
-    for i in range(len(added)):
-        while first < len(dropped) and stay_out[first]:
-            first += 1
-        partner = first if gains[i] == np.inf and first < len(dropped) else -1
-        for j in range(first, min(first + _PARTNERS, len(dropped))):
-            if least[j] >= most[i]:
-                break
-            if not stay_out[j]:
-                borne, back = _balance(labels, shares, counts, sums, tolerance, added[i], dropped[j])
-                if borne and gains[i] - costs[j] + price * back > 0:
-                    partner = j
-                    break
-        if partner >= 0:
-            stay_in[i] = stay_out[partner] = True
-            for row, change in ((added[i], 1), (dropped[partner], -1)):
-                counts[labels[row]] += change
-                sums[labels[row]] += change * shares[row]
-    return stay_out, stay_in
-
-
-@njit(cache=True, nogil=True)
-def _balance(labels, shares, counts, sums, tolerance, added, dropped):
-    """Whether the densities bear a swap, and by how much they come back to their bands, in points' shares."""
-    to, out_of = labels[added], labels[dropped]
-    if to == out_of:
-        change = shares[added] - shares[dropped]
-        return _cluster_balance(sums[to], counts[to], change, 0, tolerance)
-    borne, back = _cluster_balance(sums[to], counts[to], shares[added], 1, tolerance)
-    also_borne, rest = _cluster_balance(sums[out_of], counts[out_of], -shares[dropped], -1, tolerance)
-    return borne and also_borne, back + rest
-
-
-@njit(cache=True, nogil=True)
-def _cluster_balance(total, count, change, points, tolerance):
-    """`_balance` of one cluster, whose sum changes by ``change`` and whose count by ``points``."""
-    before = max(deviation(total, count) - tolerance, 0.0)
-    after = max(deviation(total + change, count + points) - tolerance, 0.0)
-    return after == 0 or after < before, (before - after) * count

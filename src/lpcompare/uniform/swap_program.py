@@ -1,0 +1,131 @@
+"""Which swaps on trial stay: a boolean program over what every drop cost and every addition gained.
+
+With x_j = 1 where candidate j stays, s_j = 1 for an addition and -1 for a drop, g_j what it saved, and
+w_j = s_j (C_j - 1), where C_j is eq. 13 as a share of the cluster's density::
+
+    maximise    sum_j g_j x_j - p sum_c (e_c + 30 f_c)
+    subject to  sum_j s_j x_j = 0                                           as many come as go
+                |S_c + sum_{j in c} w_j x_j| <= t (n_c + sum_{j in c} s_j x_j) + e_c + f_c
+                                                                            eqs. 24, 25 for every cluster c
+                x_j in {0, 1}, 0 <= e_c <= excess now, f_c >= 0
+
+S_c is the sum of C_i - 1 over the n_c points that the cluster keeps, t the tolerance. Leaving the band costs more
+than staying outside it. A candidate that closes a hole has to stay.
+
+Two rows for each of some twenty clusters bind thousands of candidates, so that the linear relaxation leaves few of
+them between 0 and 1. These, and those whose reduced cost is least, are the core; HiGHS solves it as a boolean
+program, the others being fixed. Pairing the best addition with the first drop that its cluster bears, which was the
+rule before, left 4 % of the error at 500,000 points.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.sparse import csc_array
+
+from lpcompare.paper.highs import Program
+from lpcompare.types import Indices, Mask, Vector
+from lpcompare.uniform.densities import DensityBand
+
+_CORE = 32
+_FAR = 30.0
+_GAP = 0.01
+_WHOLE = 1e-6
+_TIME_LIMIT = 10.0
+_SIMPLEX = {"solver": "simplex"}
+"""The interior point method takes 100 times as long on these programs, and presolving as well."""
+
+
+def choose_swaps(
+    band: DensityBand, dropped: Indices, costs: Vector, added: Indices, gains: Vector, price: float
+) -> tuple[Mask, Mask]:
+    """Which drops and which additions stay, equally many.
+
+    Parameters
+    ----------
+    band : DensityBand
+        Started with the points kept before the trial. Its prices are those of this program afterwards.
+    dropped : ndarray of int, shape (d,)
+    costs : ndarray, shape (d,)
+        What each drop cost.
+    added : ndarray of int, shape (a,)
+    gains : ndarray, shape (a,)
+        What each addition saved; infinity for one that closes a hole, the most urgent first.
+    price : float
+        Cost of one point's share by which a density is outside its band.
+
+    Returns
+    -------
+    stay_out : ndarray of bool, shape (d,)
+    stay_in : ndarray of bool, shape (a,)
+    """
+    n_added, forced = len(added), np.isinf(gains)
+    forced[np.flatnonzero(forced)[len(dropped) :]] = False
+    values = np.concatenate([np.where(np.isinf(gains), 0.0, gains), -costs])
+    scale = float(np.abs(values).mean()) or 1.0
+    signs = np.repeat([1.0, -1.0], [n_added, len(dropped)])
+    program = _build(band, np.concatenate([added, dropped]), signs, values / scale, price / scale)
+    program.columns[0][: len(forced)] = forced
+    relaxed = replace(program, boolean=np.zeros_like(program.boolean)).solve(_SIMPLEX)
+    band.prices = -scale * relaxed.prices[1:].reshape(2, -1)
+    stays = _round(program, signs, relaxed.values, np.abs(relaxed.reduced))
+    return stays[n_added:], stays[:n_added]
+
+
+def _build(band: DensityBand, rows: Indices, signs: Vector, values: Vector, price: float) -> Program:
+    """The program: columns x, e, f; rows: the count, upper limits of the clusters, lower limits."""
+    labels, weights = band.labels[rows], signs * (band.costs[rows] - 1.0)
+    n_clusters, room = len(band.counts), band.tolerance * band.counts
+    clusters, n_columns = np.arange(n_clusters), len(rows) + 2 * n_clusters
+    slack = -np.ones((2 * n_clusters, 2))
+    entries = np.column_stack([signs, weights - band.tolerance * signs, -weights - band.tolerance * signs])
+    places = np.column_stack([np.zeros(len(rows)), 1 + labels, 1 + n_clusters + labels])
+    both = np.tile(np.column_stack([1 + clusters, 1 + n_clusters + clusters]), (2, 1))
+    starts = np.concatenate(
+        [3 * np.arange(len(rows) + 1), 3 * len(rows) + 2 * np.arange(1, 2 * n_clusters + 1)]
+    )
+    matrix = csc_array(
+        (
+            np.concatenate([entries.ravel(), slack.ravel()]),
+            np.concatenate([places.ravel(), both.ravel()]).astype(np.int64),
+            starts,
+        ),
+        shape=(1 + 2 * n_clusters, n_columns),
+    )
+    excess = np.maximum(np.abs(band.sums) - room, 0.0)
+    most = np.concatenate([np.ones(len(rows)), excess, np.full(n_clusters, np.inf)])
+    limits = np.concatenate([[0.0], room - band.sums, room + band.sums])
+    least = np.concatenate([[0.0], np.full(2 * n_clusters, -np.inf)])
+    prices = price * np.repeat([1.0, _FAR], n_clusters)
+    return Program(
+        np.concatenate([-values, prices]),
+        matrix,
+        (least, limits),
+        (np.zeros(n_columns), most),
+        np.arange(n_columns) < len(rows),
+    )
+
+
+def _round(program: Program, signs: Vector, values: Vector, reduced: Vector) -> Mask:
+    """Solve the core as a boolean program, with the other candidates as the relaxation ``values`` has them."""
+    whole = np.round(values[: len(signs)])
+    core = np.abs(values[: len(signs)] - whole) > _WHOLE
+    for side in (1.0, -1.0):
+        rows = np.flatnonzero(signs == side)
+        core[rows[np.argsort(reduced[rows], kind="stable")[:_CORE]]] = True
+    free = np.append(core, np.ones(len(values) - len(signs), dtype=np.bool_))
+    fixed = program.matrix[:, ~free] @ whole[~core]
+    least, limits = program.rows
+    part = Program(
+        program.costs[free],
+        program.matrix[:, free],
+        (least - fixed, limits - fixed),
+        (program.columns[0][free], program.columns[1][free]),
+        program.boolean[free],
+    )
+    gap = _GAP * abs(float(program.costs @ values))
+    outcome = part.solve({"mip_abs_gap": max(gap, 1e-10), "mip_rel_gap": 0.0, "time_limit": _TIME_LIMIT})
+    whole[core] = np.round(outcome.values[: np.count_nonzero(core)])
+    return whole > 0
