@@ -7,15 +7,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from threading import Event
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import cvxpy as cp
 import highspy
 import numpy as np
 from scipy.sparse import csc_array
 
 from lpcompare.errors import SolverError
 from lpcompare.types import Indices, Mask, Vector
+
+if TYPE_CHECKING:
+    import cvxpy as cp
 
 _OPTIONS = {
     "threads": 1,
@@ -144,7 +146,7 @@ class Canonical:
     """
 
     def __init__(self, problem: cp.Problem) -> None:
-        data = problem.get_problem_data(cp.HIGHS)[0]
+        data = problem.get_problem_data("HIGHS")[0]
         self._matrix = data["A"].tocsc()
         self._costs, self._right, self._n_equalities = data["c"], data["b"], data["dims"].zero
         self._boolean = np.isin(np.arange(len(self._costs)), data["bool_vars_idx"])
