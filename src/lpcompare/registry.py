@@ -62,6 +62,7 @@ class Registry:
         self.kind = kind
         self._packages = packages
         self._group = group
+        self._trees: dict[Path, tuple[int, ast.Module]] = {}
         self.notes: tuple[str, ...] = ()
 
     @cached_property
@@ -230,7 +231,12 @@ class Registry:
         return f" Install it with: {how}." if how else ""
 
     def _tree(self, name: str) -> ast.Module:
-        return ast.parse(self.source(name))
+        """The source text of a plug-in's file, parsed again only where the file has changed."""
+        path = self.path(name)
+        changed = path.stat().st_mtime_ns
+        if self._trees.get(path, (0,))[0] != changed:
+            self._trees[path] = changed, ast.parse(path.read_bytes())
+        return self._trees[path][1]
 
 
 @dataclass(frozen=True)
