@@ -17,7 +17,7 @@ def search_faces(points: Points, target_count: int, cloud: PointCloud | None, *,
     def count(n_faces: int) -> int:
         return len(_collapsed(points, faces, n_faces, optimal))
 
-    return search_n_faces(count, target_count, len(faces))
+    return search_n_faces(count, target_count, faces)
 
 
 def collapse(

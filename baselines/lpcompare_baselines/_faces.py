@@ -39,26 +39,28 @@ def faces_of(cloud: PointCloud | None, target_count: int) -> NDArray[np.intp]:
     return faces
 
 
-def search_n_faces(count: Callable[[int], int], target_count: int, n_faces: int) -> int:
+def search_n_faces(count: Callable[[int], int], target_count: int, faces: NDArray[np.intp]) -> int:
     """Face count whose point count is nearest to the target.
 
-    A collapse takes one point and about two faces away, so the points in excess, doubled, correct the faces.
+    A collapse takes one point and about two faces away: where it starts says how many faces there are first,
+    and the points in excess, doubled, correct them. On a closed mesh the first count is right.
 
     Parameters
     ----------
     count : callable
         Points left by a face count.
     target_count : int
-    n_faces : int
-        Faces of the mesh.
+    faces : ndarray of int, shape (f, 3)
+        The mesh.
 
     Returns
     -------
     int
     """
-    wanted, misses = 2 * target_count, dict[int, int]()
+    n_points, misses = len(np.unique(faces)), dict[int, int]()
+    wanted = len(faces) - 2 * (n_points - target_count)
     for _ in range(_MOST_CALLS):
-        wanted = min(max(wanted, 1), n_faces)
+        wanted = min(max(wanted, 1), len(faces))
         if wanted in misses:
             break
         excess = count(wanted) - target_count

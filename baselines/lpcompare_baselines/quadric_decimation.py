@@ -31,7 +31,7 @@ def calibrate(
 ) -> dict[str, int]:
     """Number of faces that leaves ``target_count`` points; raises as `quadric_decimation` does."""
     faces = faces_of(cloud, target_count)
-    return {"n_faces": search_n_faces(lambda n: len(_collapse(points, faces, n)), target_count, len(faces))}
+    return {"n_faces": search_n_faces(lambda n: len(_collapse(points, faces, n)), target_count, faces)}
 
 
 def quadric_decimation(
