@@ -12,7 +12,6 @@ import warnings
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.cluster.vq import kmeans2
 
 from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.metrics.comparison import Comparison
@@ -59,6 +58,8 @@ def density_objective(comparison: Comparison) -> dict[str, float]:
 
 def _clusters(points: Points) -> tuple[NDArray[np.intp], Points]:
     """Cluster of each point, shape (n,), and the clusters' centroids; found on a subsample."""
+    from scipy.cluster.vq import kmeans2
+
     rng = np.random.default_rng(0)
     sample = points[rng.choice(len(points), min(_SAMPLE, len(points)), replace=False)]
     n_distinct = len(np.unique(sample, axis=0))

@@ -16,7 +16,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from lpcompare.geometry.moving_planes import moving_planes
 from lpcompare.metrics.comparison import Comparison
 from lpcompare.types import Column, Vector
 
@@ -49,5 +48,7 @@ def mls_distance(comparison: Comparison) -> dict[str, float]:
 
 def mls_distances(comparison: Comparison, n_neighbors: int = _NEIGHBORS) -> Vector:
     """Eqs. 9 and 10 before the mean: distance of each original to the surface, shape (n,), in model units."""
+    from lpcompare.geometry.moving_planes import moving_planes
+
     feet, _, _ = moving_planes(comparison.original, comparison.simplified, comparison.nearest(n_neighbors))
     return np.linalg.norm(comparison.original - feet, axis=1)

@@ -17,7 +17,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from lpcompare.geometry.stars import make_stars
 from lpcompare.metrics.comparison import Comparison
 from lpcompare.types import Column
 
@@ -46,6 +45,8 @@ def surface_distance(comparison: Comparison) -> dict[str, float]:
         One value per entry of ``COLUMNS``. Where the reduced points carry no triangle, the distances to the
         points themselves stand for those to the surface.
     """
+    from lpcompare.geometry.stars import make_stars
+
     sites, originals = comparison.simplified, comparison.original
     _, corners = comparison.simplified_neighbors.query(sites, _CORNERS)
     _, nearest = comparison.simplified_neighbors.query(originals, _STARS)

@@ -7,8 +7,8 @@ from collections.abc import Iterator, Sequence
 
 import pandas as pd
 
-from lpcompare.report.cells import ERROR, RUNTIME, clean, columns, witnesses
-from lpcompare.report.ranks import rank_over_cells, rank_over_models
+from lpcompare.report.cells import ERROR, RUNTIME, clean, columns
+from lpcompare.report.ranks import rank_by_witnesses, rank_over_cells, rank_over_models
 from lpcompare.report.tables import count, listing, number, percent, seconds
 
 _MISS = 0.01
@@ -193,7 +193,7 @@ def _ranks(good: pd.DataFrame) -> Iterator[str]:
 def _dissent(good: pd.DataFrame) -> Iterator[str]:
     """The measures by which a method is first that is not the first by plane error."""
     known, first = columns(good), rank_over_cells(good).leaders
-    leaders = {k: rank_over_cells(good, k, known[k]).leaders for k in witnesses(known) if k != ERROR}
+    leaders = {k: r.leaders for k, r in rank_by_witnesses(good, known).items() if k != ERROR}
     against = {key: who for key, who in leaders.items() if who and first and first[0] not in who}
     if len(first) != 1 or not against:
         return

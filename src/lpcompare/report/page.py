@@ -199,4 +199,4 @@ def _plotly() -> Markup:
     """plotly.js, as its Python package ships it, packed; the page unpacks it when a chart comes into sight."""
     from plotly.offline import get_plotlyjs
 
-    return Markup(pack(np.frombuffer(gzip.compress(get_plotlyjs().encode(), 9, mtime=0), np.uint8)))
+    return Markup(pack(np.frombuffer(gzip.compress(get_plotlyjs().encode(), 6, mtime=0), np.uint8)))

@@ -9,7 +9,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from lpcompare.errors import InputError
 from lpcompare.geometry.neighbors import Neighbors
-from lpcompare.geometry.planes import fit_planes
 from lpcompare.geometry.scale import bounding_box_center
 from lpcompare.mesh_library import pymeshlab
 from lpcompare.report.styles import CLUSTER_COLORS, MARK_COLORS
@@ -136,11 +135,18 @@ def draw_mesh(
 
 
 def local_normals(points: Points) -> Points:
-    """Unit normals (n, 3) of the plane through the neighbours of each point; their sign is arbitrary."""
+    """Unit normals (n, 3) of the plane through the neighbours of each point; their sign is arbitrary.
+
+    By scipy and numpy: a picture is not worth the second that compiled kernels take to load.
+    """
+    from scipy.spatial import KDTree
+
     if len(points) < 3:
         return np.tile([0.0, 0.0, 1.0], (len(points), 1))
     centred = points - bounding_box_center(points)
-    return fit_planes(centred, Neighbors(centred).query(centred, _N_NEIGHBORS)[1])[1]
+    near = centred[KDTree(centred).query(centred, min(_N_NEIGHBORS, len(points)))[1]]
+    offsets = near - near.mean(axis=1, keepdims=True)
+    return np.linalg.eigh(np.einsum("nki,nkj->nij", offsets, offsets))[1][:, :, 0]
 
 
 def brightness(normals: Points, light: Vector) -> Vector:

@@ -5,6 +5,9 @@ import math
 import pandas as pd
 import pytest
 from frames import record, table_of
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.stats import kendalltau
 
 from lpcompare.report.cells import columns
 from lpcompare.report.ranks import (
@@ -75,6 +78,16 @@ def test_no_cells_rank_nobody():
 
 def ranked(*methods):
     return Ranking(pd.Series(range(1, len(methods) + 1), methods, dtype=float), 1, ())
+
+
+@given(st.lists(st.tuples(st.integers(1, 6), st.integers(1, 6)), min_size=2, max_size=30))
+def test_agreement_is_kendalls_tau_b_ties_or_not(pairs):
+    names = [f"m{i}" for i in range(len(pairs))]
+    one, other = (Ranking(pd.Series(ranks, names, dtype=float), 1, ()) for ranks in zip(*pairs, strict=True))
+    if one.ranks.nunique() == 1 or other.ranks.nunique() == 1:
+        assert math.isnan(agreement(one, other))
+    else:
+        assert agreement(one, other) == pytest.approx(kendalltau(one.ranks, other.ranks).statistic)
 
 
 def test_agreement_is_one_for_the_same_order_and_minus_one_for_the_reverse():
