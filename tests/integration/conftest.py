@@ -1,5 +1,6 @@
 """The command line as its users meet it: in processes of its own, beside methods that misbehave."""
 
+import json
 import os
 import subprocess
 import sys
@@ -7,6 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
+from lpcompare.children import Children
 
 PLUGINS = Path(__file__).resolve().parents[1] / "plugins"
 
@@ -26,13 +29,29 @@ def plugin_environment(tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def lpcompare(plugin_environment):
-    """Run the command line; returns the finished process with its text."""
+    """Run the command line in a forked process (command.py); returns the finished process with its text."""
+    with pytest.MonkeyPatch.context() as patch, Children() as children:
+        patch.setenv("PYTHONPATH", str(Path(__file__).parent), prepend=os.pathsep)
+        children.prepare("command")
 
-    def run(*words, cwd=None, timeout=120):
+        def run(*words, cwd=None, timeout=120):
+            words = [json.dumps(plugin_environment), *map(str, words)]
+            limits = {"time_limit_s": timeout, "memory_limit_mib": 2**20}
+            ending = children.call("command", *words, folder=Path(cwd or ".").resolve(), **limits)
+            assert ending.code is not None, ending
+            return subprocess.CompletedProcess(words, ending.code, ending.answer, ending.errors)
+
+        yield run
+
+
+@pytest.fixture(scope="session")
+def program(plugin_environment):
+    """Run the command line as a program, with nobody who ends what it leaves; returns the finished process."""
+
+    def run(*words, timeout=120):
         return subprocess.run(
             [sys.executable, "-m", "lpcompare.cli", *map(str, words)],
             env=plugin_environment,
-            cwd=cwd,
             capture_output=True,
             text=True,
             timeout=timeout,

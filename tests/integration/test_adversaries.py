@@ -20,7 +20,7 @@ LIMITS = ["--reduction", 0.8, "--memory-limit", 1000, "--threads", 1]
 
 
 @pytest.fixture(scope="module")
-def run(lpcompare, cloud_file, plugin_environment, tmp_path_factory):
+def run(program, cloud_file, plugin_environment, tmp_path_factory):
     """Run methods, the misbehaving ones among them, in a folder."""
     site = tmp_path_factory.mktemp("adversaries")
     for name in DEEDS:
@@ -36,7 +36,7 @@ def run(lpcompare, cloud_file, plugin_environment, tmp_path_factory):
     def run(folder, methods, *more):
         words = [word for name in methods for word in ("--method", name)]
         words += [*LIMITS, "--out", folder, *more]
-        done = lpcompare("run", "--model", cloud_file, *words, timeout=3000)
+        done = program("run", "--model", cloud_file, *words, timeout=3000)
         assert done.returncode == int(any(m in DEEDS for m in methods) and not _all_ok(folder)), done.stderr
         assert done.stderr == ""
         assert "\x1b" not in done.stdout

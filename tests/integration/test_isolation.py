@@ -30,9 +30,9 @@ NAUGHTY = {
 }
 
 
-def run_methods(lpcompare, cloud_file, out, methods):
+def run_methods(program, cloud_file, out, methods):
     words = [word for name in methods for word in ("--method", name)]
-    done = lpcompare(
+    done = program(
         "run", "--model", cloud_file, *words, "--reduction", 0.8, "--time-limit", 10, "--memory-limit", 1024,
         "--out", out,
     )  # fmt: skip
@@ -42,9 +42,9 @@ def run_methods(lpcompare, cloud_file, out, methods):
 
 
 @pytest.fixture(scope="module")
-def naughty(lpcompare, cloud_file, tmp_path_factory):
+def naughty(program, cloud_file, tmp_path_factory):
     out = tmp_path_factory.mktemp("naughty") / "run"
-    return run_methods(lpcompare, cloud_file, out, [*NAUGHTY, "well_behaved"])
+    return run_methods(program, cloud_file, out, [*NAUGHTY, "well_behaved"])
 
 
 @pytest.mark.parametrize("method", NAUGHTY)
@@ -63,8 +63,8 @@ def test_the_run_is_complete_and_its_table_shows_every_method(naughty):
     assert max(map(len, done.stdout.splitlines()[:-1])) <= 100
 
 
-def test_a_good_method_gives_the_same_points_as_without_them(naughty, lpcompare, cloud_file, tmp_path):
-    _, alone = run_methods(lpcompare, cloud_file, tmp_path / "run", ["well_behaved"])
+def test_a_good_method_gives_the_same_points_as_without_them(naughty, program, cloud_file, tmp_path):
+    _, alone = run_methods(program, cloud_file, tmp_path / "run", ["well_behaved"])
     (other,) = [r for r in naughty[1].records if r.method == "well_behaved"]
     (record,) = alone.records
     assert record.points_sha256 == other.points_sha256
@@ -73,16 +73,16 @@ def test_a_good_method_gives_the_same_points_as_without_them(naughty, lpcompare,
     assert np.array_equal(*points)
 
 
-def test_what_a_method_started_dies_with_it(lpcompare, cloud_file, tmp_path, plugin_environment):
+def test_what_a_method_started_dies_with_it(program, cloud_file, tmp_path, plugin_environment):
     plugin_environment["CHILD_PID_FILE"] = str(tmp_path / "pid")
-    run_methods(lpcompare, cloud_file, tmp_path / "run", ["leaves_a_child"])
+    run_methods(program, cloud_file, tmp_path / "run", ["leaves_a_child"])
     assert not psutil.pid_exists(int((tmp_path / "pid").read_text()))
     assert left(tmp_path) == []
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP, signal.SIGKILL], ids=lambda s: s.name)
 def test_after_the_end_of_lpcompare_nothing_is_left_and_the_next_start_tidies_up(
-    lpcompare, cloud_file, tmp_path, plugin_environment, number
+    program, cloud_file, tmp_path, plugin_environment, number
 ):
     environment = plugin_environment | {"CHILD_PID_FILE": str(tmp_path / "pid")}
     words = ["run", "--model", str(cloud_file), "--method", "leaves_a_child", "--out", str(tmp_path / "run")]
@@ -105,7 +105,7 @@ def test_after_the_end_of_lpcompare_nothing_is_left_and_the_next_start_tidies_up
     assert left(tmp_path) == []
     assert list((tmp_path / "run" / ".work").iterdir())
     again = ["--method", "well_behaved", "--reduction", 0.8, "--resume", "--out", tmp_path / "run"]
-    assert lpcompare("run", "--model", cloud_file, *again).returncode == 0
+    assert program("run", "--model", cloud_file, *again).returncode == 0
     assert not (tmp_path / "run" / ".work").exists()
 
 
