@@ -16,6 +16,11 @@ def pytest_addoption(parser):
     )
 
 
+def pytest_configure(config):
+    """Keep pytest-xdist at the order of `testpaths`: files with few and long tests must not come last."""
+    config.option.loadscopereorder = False
+
+
 @pytest.fixture(scope="session")
 def shared_models():
     """The folder of real scans beside the checkout; tests that need it are skipped without it."""

@@ -9,6 +9,7 @@ import os
 import sys
 import tempfile
 import traceback
+from importlib import import_module
 
 import numpy as np
 
@@ -17,6 +18,8 @@ from lpcompare import cli
 
 def prepare():
     """Import what most commands import, and draw a picture."""
+    for name in ("benchmark.runner", "cli._progress", "report.page"):
+        import_module(f"lpcompare.{name}")
     from lpcompare.report.figures import cloud_still
 
     cli.build_app()
