@@ -94,6 +94,7 @@ def main(family: str, action: str, source: str, target: str = "") -> None:
     out = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # what a library prints is no answer
     _limit(Path(source))
+    sys.modules["requests"] = None  # type: ignore[assignment] # laspy would import it for files behind a URL
     names: list[str] = []
     values: list[Any] = []
     error = reason = ""
