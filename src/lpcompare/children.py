@@ -115,6 +115,11 @@ class Children:
         if sys.platform == "linux":
             self._nursery = Nursery(module, arguments, threads)
 
+    def start(self) -> None:
+        """Start the process of `prepare` now, and not when the first child is wanted; returns at once."""
+        if self._nursery:
+            self._nursery.start()
+
     def call(
         self,
         module: str,
@@ -219,6 +224,12 @@ class Nursery:
         self._lock = Lock()
         self._guards: set[int] = set()
         self._process: subprocess.Popen[bytes] | None = None
+
+    def start(self) -> None:
+        """Start it, unless it is there."""
+        with self._lock:
+            if self._process is None:
+                self._start()
 
     def _start(self) -> None:
         self._orders, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)

@@ -173,6 +173,7 @@ def run_plan(
     *,
     resume: bool = False,
     listener: Listener = silent,
+    meanwhile: Callable[[], object] = lambda: None,
 ) -> Run:
     """Run every case of a plan and keep the run in a folder.
 
@@ -188,6 +189,9 @@ def run_plan(
         Take over the records of an earlier start in this folder whose keys are the same, and keep those of
         cases that this plan does not name.
     listener : Listener
+    meanwhile : callable
+        Work of this process before the first case, done while the process that the cases are forked from
+        starts.
 
     Returns
     -------
@@ -208,6 +212,9 @@ def run_plan(
         runner = _Runner(plan, models, RunFolder(folder), earlier, children)
         complete = False
         try:
+            if not runner.has_all:
+                children.start()
+                meanwhile()
             runner.run(listener)
             complete = True
         finally:
@@ -253,6 +260,11 @@ class _Runner:
                 answer = self._answer(case, self._request(case, blank, None, trial=True), folder)
             if answer.trouble == "settings":
                 raise InputError(f"{variant.label}: {answer.record.message}")
+
+    @property
+    def has_all(self) -> bool:
+        """Whether an earlier start has finished every case."""
+        return all(self._blank(case).key in self.reusable for case in self.cases)
 
     def run(self, listener: Listener) -> None:
         """Run the cases in order; with several jobs, that many at a time."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from contextlib import nullcontext
 from datetime import datetime
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -146,7 +147,7 @@ def _run(plan: Plan, models: Mapping[str, PointCloud], folder: Path, *, resume: 
         typer.echo(note, err=True)
     try:
         with _progress(plan, models) if shows_progress(quiet) else nullcontext(silent) as listener:
-            run = run_plan(plan, models, folder, resume=resume, listener=listener)
+            run = run_plan(plan, models, folder, resume=resume, listener=listener, meanwhile=_import_page)
     except KeyboardInterrupt:
         typer.echo(f"\nStopped. Continue with the same command and --resume --out {folder}", err=True)
         raise typer.Exit(EXIT_STOPPED) from None
@@ -156,6 +157,18 @@ def _run(plan: Plan, models: Mapping[str, PointCloud], folder: Path, *, resume: 
     typer.echo(format_run(run))
     typer.echo(f"\nThe run is in {folder}; look at it in {run.report()}.")
     return run
+
+
+def _import_page() -> None:
+    """Import what the page takes."""
+    for name in (
+        "lpcompare.report.page",
+        "matplotlib.figure",
+        "matplotlib.backends.backend_agg",
+        "plotly.offline",
+        "scipy.spatial",
+    ):
+        import_module(name)
 
 
 def _progress(plan: Plan, models: Mapping[str, PointCloud]) -> RunProgress:
