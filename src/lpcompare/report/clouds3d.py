@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
@@ -19,12 +19,14 @@ from numpy.typing import NDArray
 
 from lpcompare.benchmark.record import Run
 from lpcompare.errors import InputError
-from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.geometry.scale import bounding_box_diagonal
 from lpcompare.io.arrays import load_arrays
 from lpcompare.report.cells import ERROR
 from lpcompare.report.projections import scale_top, up_axis
 from lpcompare.types import PointCloud, Points, Vector
+
+if TYPE_CHECKING:
+    from scipy.spatial import KDTree
 
 MOST_POINTS = 200_000
 """Points of one view of a run; a larger cloud is thinned for display."""
@@ -214,8 +216,10 @@ class _Display:
         return np.ptp(self.points, axis=0)
 
     @cached_property
-    def tree(self) -> Neighbors:
-        return Neighbors(self.points[self.rows])
+    def tree(self) -> KDTree:
+        from scipy.spatial import KDTree  # as for the pictures: compiled kernels take a second to load
+
+        return KDTree(self.points[self.rows])
 
 
 def _original(display: _Display, name: str) -> dict[str, Any]:
@@ -258,5 +262,5 @@ def _result(arrays: Mapping[str, NDArray[Any]], errors: Vector, display: _Displa
         return found | {"kept": _pack_mask(mask[display.rows])}
     points = arrays["points"].astype(float)
     points = points[_thin(len(points), MOST_POINTS)]
-    nearest = display.tree.query(points, 1)[1][:, 0].astype("<u4")
+    nearest = np.asarray(display.tree.query(points)[1]).astype("<u4")
     return found | {"points": pack(_steps(points - display.low, display.span)), "nearest": pack(nearest)}
