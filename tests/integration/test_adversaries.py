@@ -65,7 +65,7 @@ def together(run, alone, tmp_path_factory):
     names = list(DEEDS)
     middle = len(names) // 2
     order = [HONEST[0], *names[:middle], HONEST[1], *names[middle:], HONEST[2]]
-    return run(tmp_path_factory.mktemp("together") / "run", order, "--jobs", 2, "--time-limit", 40)
+    return run(tmp_path_factory.mktemp("together") / "run", order, "--jobs", 2, "--time-limit", 25)
 
 
 @pytest.mark.parametrize("name", DEEDS)
@@ -106,14 +106,14 @@ def test_nothing_is_left_behind(together):
 
 def test_a_resumed_run_takes_everything_over(together, run):
     methods = dict.fromkeys(record.method for record in together.records)
-    again = run(together.folder, methods, "--jobs", 2, "--time-limit", 40, "--resume")
+    again = run(together.folder, methods, "--jobs", 2, "--time-limit", 25, "--resume")
     assert again.records == together.records
 
 
 def test_alone_with_an_honest_method_each_has_its_row(run, alone, tmp_path, request):
     chosen = list(DEEDS) if request.config.getoption("--long") else random.Random(15).sample(list(DEEDS), 3)
     for name in chosen:
-        done = run(tmp_path / name, [HONEST[0], name, *HONEST[1:]], "--time-limit", 40)
+        done = run(tmp_path / name, [HONEST[0], name, *HONEST[1:]], "--time-limit", 25)
         check_row(done, name)
         check_honest(done, alone)
         shutil.rmtree(tmp_path / name)

@@ -21,7 +21,7 @@ reductions = [0.8]
 repeats = 2
 methods = ["random_sample", "sleeps"]
 [settings.sleeps]
-seconds = 0.6
+seconds = 0.3
 [perturbations]
 noise = [0.2]
 """
