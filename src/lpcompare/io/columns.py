@@ -10,13 +10,15 @@ import re
 from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import chain, count
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
-from lpcompare.io.rows import Damaged
+from lpcompare.io.rows import LONGEST_HEADER, Damaged
 from lpcompare.types import PointCloud
+
+_Column = TypeVar("_Column")
 
 AXES, NORMALS, COLORS = ("x", "y", "z"), ("nx", "ny", "nz"), ("red", "green", "blue", "alpha")
 NUMBERS = ("u1", "i1", "u2", "i2", "u4", "i4", "u8", "i8", "f4", "f8")
@@ -139,7 +141,14 @@ def cloud_of(
 
 
 def find_roles(names: Iterable[str]) -> dict[str, tuple[str, ...]]:
-    """Which of the names are "points", "normals" and "colors", the usual names before others."""
+    """Which of the names are "points", "normals" and "colors", the usual names before others.
+
+    Raises
+    ------
+    Damaged
+        A coordinate's name comes twice, so that it does not say which column is meant.
+    """
+    names = list(names)
     exact = {name: name for name in names}
     plain: dict[str, str] = {}
     for name in exact:
@@ -152,7 +161,24 @@ def find_roles(names: Iterable[str]) -> dict[str, tuple[str, ...]]:
             if len(found) >= 3 and all(map(known.get, group[:3])):
                 roles[role] = found
                 break
+    if twice := [name for name in roles.get("points", ()) if names.count(name) > 1]:
+        raise Damaged(f"it has more than one column {twice[0]!r}; name the others otherwise")
     return roles
+
+
+def by_name(names: Iterable[str], columns: Iterable[_Column]) -> dict[str, _Column]:
+    """The columns of a file by their names; a name that comes again is numbered.
+
+    Raises
+    ------
+    Damaged
+        As `find_roles`.
+    """
+    names, named = list(names), dict[str, _Column]()
+    find_roles(names)
+    for name, column in zip(names, columns, strict=True):
+        named[free_name(name, named, longest=LONGEST_HEADER)] = column
+    return named
 
 
 def fractions(*channels: ArrayLike) -> NDArray[np.float64]:

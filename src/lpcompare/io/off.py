@@ -62,7 +62,7 @@ def _take_apart(path: Path) -> _File:
     Raises
     ------
     Damaged
-        No OFF keyword, a binary or four-dimensional file, or fewer lines than the counts say.
+        No OFF keyword, a binary or four-dimensional file, or another number of lines than the counts say.
     """
     lines = [line.strip() for line in path.read_bytes().splitlines()]
     comments = [line for line in lines if line.startswith(b"#")]
@@ -77,7 +77,7 @@ def _take_apart(path: Path) -> _File:
     counts = after or b"".join(content[1:2]).split()
     body = content[1:] if after else content[2:]
     n_vertices, n_faces = (int(n) if n.isdigit() else -1 for n in (*counts, b"", b"")[:2])
-    if n_vertices < 1 or n_faces < 0 or len(body) < n_vertices + n_faces:
+    if n_vertices < 1 or n_faces < 0 or len(body) != n_vertices + n_faces:
         raise Damaged(f"it promises {n_vertices} vertices and {n_faces} faces and holds {len(body)} lines")
     return _File(keyword, comments, body[:n_vertices], body[n_vertices : n_vertices + n_faces])
 

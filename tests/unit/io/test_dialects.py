@@ -67,6 +67,44 @@ def test_headers_of_other_tools(name, encoding, tmp_path):
     assert read(tmp_path / f"b{file}").points.tolist() == [TRIANGLE[0], TRIANGLE[2]]
 
 
+TWICE = {
+    "a.ply": PLY.replace("end_header", "property float {}\nproperty float {}\nend_header")
+    + "1 2 3 4 5\n" * 3,
+    "a.pcd": PCD.replace("x y z", "x y z {} {}")
+    .replace("4 4 4", "4 4 4 4 4")
+    .replace("F F F", "F F F F F")
+    .replace("1 1 1", "1 1 1 1 1")
+    + "1 2 3 4 5\n" * 3,
+    "a.csv": "x,y,z,{},{}\n1,2,3,4,5\n",
+}
+
+
+@pytest.mark.parametrize("name", TWICE)
+def test_a_name_that_comes_twice_is_numbered_unless_it_is_a_coordinates(name, tmp_path):
+    (tmp_path / name).write_text(TWICE[name].format("a", "a"))
+    found = read(tmp_path / name).attributes
+    assert (found["a"][0], found["a_2"][0]) == (4, 5)
+    (tmp_path / name).write_text(TWICE[name].format("a", "y"))
+    with pytest.raises(InputError, match="more than one column 'y'"):
+        read(tmp_path / name)
+
+
+def test_two_elements_of_one_name_are_refused(tmp_path):
+    (tmp_path / "a.ply").write_text(
+        PLY.replace("end_header", "element vertex 1\nproperty float a\nend_header")
+    )
+    with pytest.raises(InputError, match="more than one element 'vertex'"):
+        read(tmp_path / "a.ply")
+
+
+@pytest.mark.parametrize("name", ["a.ply", "a.off", "a.pcd", "a.pts"])
+def test_text_with_more_rows_than_it_says_is_refused(name, tmp_path):
+    head = {".ply": PLY, ".off": "OFF\n3 0 0\n", ".pcd": PCD, ".pts": "3\n"}[name[1:]]
+    (tmp_path / name).write_text(head + ROWS + "9 9 9\n")
+    with pytest.raises(InputError, match="holds 4"):
+        read(tmp_path / name)
+
+
 def test_rows_of_a_ply_of_text_stay_the_files_own(tmp_path):
     rows = ["512345.678 4123456.789 10.1\n", "512346.678   4123457.789 10.20\n", "1 2 3\n"]
     (tmp_path / "a.ply").write_text(PLY + "".join(rows))
