@@ -16,7 +16,7 @@ import lzf
 import numpy as np
 from numpy.typing import NDArray
 
-from lpcompare.io.columns import AXES, COLORS, Holds, by_name, cloud_of, columns_of, records
+from lpcompare.io.columns import AXES, COLORS, Holds, by_name, cloud_of, columns_of, find_roles, records
 from lpcompare.io.rows import LONGEST_HEADER, Damaged, check_held, decoded, numbers
 from lpcompare.types import Indices, PointCloud
 
@@ -139,7 +139,7 @@ def parse_header(content: bytes) -> File:
     Raises
     ------
     Damaged
-        Fields without a type, or more values a point than anyone stores.
+        Fields without a type, a coordinate that comes twice, or more values a point than anyone stores.
     """
     end = re.search(rb"^[ \t]*DATA[ \t]+(\w+)[^\n]*\n", content[:LONGEST_HEADER], re.MULTILINE)
     if end is None:
@@ -166,6 +166,7 @@ def parse_header(content: bytes) -> File:
     points, width, height = (_integer(words, key, 0, "0") for key in ("POINTS", "WIDTH", "HEIGHT"))
     shape = (width, height) if width * height >= points else (points, 1)
     used = tuple(name for name, count in zip(names, numbers_of, strict=True) if count)
+    find_roles(used)
     return File(head, end[1].lower(), np.dtype(kinds), used, shape, content[end.end() :])
 
 

@@ -108,7 +108,7 @@ def _pcd(_: Path, content: bytes) -> _Layout:
     def copy(count: int) -> bytes:
         return pcd.head_of(file.head, count) + b"DATA binary\n"
 
-    return _Layout(file.count, start, file.kind, tuple(axes[name] for name in _axes(list(file.names))), copy)
+    return _Layout(file.count, start, file.kind, tuple(axes[name] for name in _axes(list(axes))), copy)
 
 
 def _npy(path: Path, _: bytes) -> _Layout:
