@@ -15,7 +15,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from lpcompare.benchmark.record import Run, load_run
-from lpcompare.errors import UnknownName
+from lpcompare.errors import UnknownName, printable
 from lpcompare.files import replace_text
 from lpcompare.report.cells import COSTS, ERROR, RUNTIME, cells, choose_reference, clean, columns
 from lpcompare.report.charts import collect_charts, collect_perturbations, palettes
@@ -75,7 +75,7 @@ def write_view(cloud: PointCloud, out: Path) -> Path:
     Path
         The file written.
     """
-    title = cloud.name or "point cloud"
+    title = printable(cloud.name) or "point cloud"
     still = cloud_still(cloud.points)
     charts = {"cells": [], "methods": {}, "palettes": palettes(), "reference": ""}
     context = {"title": title, "kicker": "lpcompare · one cloud", "views": [one_cloud(cloud)], "page": charts}
