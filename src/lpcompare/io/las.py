@@ -17,7 +17,8 @@ from laspy.vlrs.vlrlist import VLRList
 from lazrs.lazrs import LazVlr, read_chunk_table
 from numpy.typing import NDArray
 
-from lpcompare.io.columns import AXES, COLORS, NORMALS, NUMBERS, Holds, cloud_of, columns_of
+from lpcompare.errors import InputError
+from lpcompare.io.columns import AXES, COLORS, NORMALS, NUMBERS, Holds, by_name, cloud_of, columns_of
 from lpcompare.io.rows import Damaged, check_held, check_room
 from lpcompare.types import Indices, PointCloud
 
@@ -62,6 +63,7 @@ _COMPRESSED, _COMPRESSION = 0x80, 0xC0
 _POINTWISE, _LAYERED = b"\1\0", b"\3\0"
 _ITEM = struct.Struct("<HH2x")  # a part of a compressed point: kind, bytes, version
 _FIRST_ITEM_AT = 34
+_LAYERED_WAVES = (9, 10)  # point formats that lazrs compresses wrongly where the scanner channel changes
 _LAYERS = {10: 9, 11: 1, 12: 2, 13: 1}  # of the kinds of part; extra bytes have a layer each
 
 
@@ -69,10 +71,8 @@ def read(path: Path) -> PointCloud:
     """Scaled coordinates; colours from 0 to 1; every other dimension under its name."""
     file = _open(path)
     names = [name for name in file.point_format.dimension_names if name not in ("X", "Y", "Z")]
-    columns = dict(zip(AXES, np.asarray(file.xyz).T, strict=True))
-    return cloud_of(
-        columns | {name: np.array(file[name]) for name in names if name not in columns}, path.stem
-    )
+    columns = [*np.asarray(file.xyz).T, *(np.array(file[name]) for name in names)]
+    return cloud_of(by_name([*AXES, *names], columns), path.stem)
 
 
 def write(path: Path, cloud: PointCloud) -> None:
@@ -126,8 +126,21 @@ def make_writable(header: laspy.LasHeader) -> None:
 
 
 def _write(path: Path, file: laspy.LasData) -> None:
-    """The file with names in the header as they are, also those that are not ASCII."""
-    how = {"do_compress": path.suffix.lower() == ".laz", "encoding_errors": "ignore", "closefd": False}
+    """The file with names in the header as they are, also those that are not ASCII.
+
+    Raises
+    ------
+    InputError
+        It would be a LAZ with wave packets of several scanner channels.
+    """
+    compressed = path.suffix.lower() == ".laz"
+    waves = compressed and file.point_format.id in _LAYERED_WAVES
+    if waves and len(np.unique(file.scanner_channel)) > 1:
+        raise InputError(
+            "A LAZ of this point format cannot keep the wave packets of several scanner channels, "
+            "because its compressor changes them; name a file that ends in .las."
+        )
+    how = {"do_compress": compressed, "encoding_errors": "ignore", "closefd": False}
     with path.open("wb") as out, laspy.LasWriter(out, file.header, **how) as writer:
         writer.write_points(file.points)
         if file.evlrs:
