@@ -193,6 +193,12 @@ def fractions(*channels: ArrayLike) -> NDArray[np.float64]:
     return np.column_stack(columns if len(columns) > 3 else [*columns, np.ones(len(columns[0]))])
 
 
+def with_bytes(columns: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
+    """The columns with colours from 0 to 255 in that type, so that a dark cloud is not taken for fractions."""
+    fits = {name: exactly(columns[name], np.uint8) for name in COLORS if name in columns}
+    return columns | {name: fit for name, fit in fits.items() if fit is not None}
+
+
 def columns_of(cloud: PointCloud, normals: Sequence[str] = NORMALS) -> dict[str, NDArray[Any]]:
     """The columns of a `fitted` cloud by the usual names; ``normals`` are those of the normals."""
     columns = dict(zip(AXES, cloud.points.T, strict=True))
@@ -368,13 +374,16 @@ def _quantised(colors: NDArray[np.float64], holds: Holds, notes: list[str]) -> N
     if not holds.alpha and not np.array_equal(colors[:, 3:], np.ones_like(colors[:, 3:])):
         notes.append("the alpha of colors is left out")
     channels = colors if holds.alpha else colors[:, :3]
+    if ((channels < 0) | (channels > 1)).any():
+        notes.append("colors outside 0 to 1 are cut off")
+        channels = np.clip(channels, 0, 1)
     if kind.kind == "f":
         return channels
     if unknown := int(np.isnan(channels).any(axis=1).sum()):
         notes.append(f"colors of {unknown} point{'s' * (unknown > 1)} are not known and become 0")
         channels = np.nan_to_num(channels)
     largest = np.iinfo(kind).max
-    steps = np.rint(np.clip(channels, 0, 1) * largest)
+    steps = np.rint(channels * largest)
     if not np.allclose(steps / largest, channels, rtol=0, atol=1e-9):
         notes.append(f"colors are rounded to {8 * kind.itemsize} bits")
     return steps.astype(kind)

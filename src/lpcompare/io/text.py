@@ -17,7 +17,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lpcompare.io.columns import AXES, COLORS, NUMBERS, Holds, by_name, cloud_of, columns_of, find_roles
+from lpcompare.io.columns import (
+    AXES,
+    COLORS,
+    NUMBERS,
+    Holds,
+    by_name,
+    cloud_of,
+    columns_of,
+    find_roles,
+    with_bytes,
+)
 from lpcompare.io.rows import Damaged, decoded, numbers
 from lpcompare.types import Indices, PointCloud
 
@@ -71,7 +81,8 @@ def read(path: Path) -> PointCloud:
     leica = path.suffix.lower() == ".pts" and len(columns) == len(_LEICA)
     first = _LEICA if leica else AXES
     names = table.names or [*first, *(f"column_{i + 1}" for i in range(len(first), len(columns)))]
-    return cloud_of(_named(names, columns), path.stem)
+    named = _named(names, columns)
+    return cloud_of(with_bytes(named) if leica else named, path.stem)
 
 
 def write(path: Path, cloud: PointCloud) -> None:
@@ -291,7 +302,7 @@ def _read_ptx(path: Path) -> PointCloud:
         [np.pad(s, ((0, 0), (0, width - s.shape[1])), constant_values=np.nan) for s in scans]
         or [np.empty((0, 3))]
     )
-    return cloud_of(dict(zip(_LEICA, table.T, strict=False)), path.stem)
+    return cloud_of(with_bytes(dict(zip(_LEICA, table.T, strict=False))), path.stem)
 
 
 def _scan(lines: list[bytes], start: int) -> NDArray[np.float64]:
