@@ -83,7 +83,7 @@ def test_what_is_shown_is_not_replaced_by_its_page(view, scan, tmp_path):
     for out in (scan, tmp_path / "link.html"):
         code, _, err, _ = view(scan, "--out", out)
         assert (code, scan.read_bytes()) == (2, before)
-        assert "is what is shown and would be replaced" in err
+        assert "is no name of a page; name a file that ends in .html" in err
 
 
 def test_points_without_coordinates_are_left_out_and_said(view, tmp_path):

@@ -44,12 +44,9 @@ def command(
 
 def _write_page(target: str, out: Path | None) -> Path:
     from lpcompare.benchmark.runner import load_models
-    from lpcompare.errors import InputError
     from lpcompare.report.page import write_page, write_view
 
     path = Path(target)
-    if out and out.exists() and path.exists() and os.path.samefile(out, path):
-        raise InputError(f"{out} is what is shown and would be replaced; name another file with --out.")
     out = out or Path(tempfile.mkdtemp(prefix="lpcompare-")) / f"{path.stem}.html"
     if _is_run(path):
         return write_page(path, out)
