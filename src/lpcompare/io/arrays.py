@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from lpcompare.errors import InputError
 from lpcompare.files import CONTINUE, whole_file
-from lpcompare.io.columns import Holds, exactly, fractions
+from lpcompare.io.columns import Holds, exactly, fractions, lost_digits
 from lpcompare.io.faces import checked_triangles
 from lpcompare.io.rows import Damaged
 from lpcompare.types import Indices, PointCloud
@@ -103,7 +103,8 @@ def _from_array(array: NDArray[Any], path: Path) -> PointCloud:
     if array.ndim != 2 or array.shape[1] < 3:
         raise Damaged(f"its array has the shape {array.shape}; points have the shape (n, 3)")
     more = {"columns": array[:, 3:]} if array.shape[1] > 3 else {}
-    return PointCloud(_points(array[:, :3]), attributes=more, name=path.stem)
+    beside = lost_digits(array[:, :3])
+    return PointCloud(_points(array[:, :3]), attributes=more, name=path.stem, beside=beside)
 
 
 def _from_archive(arrays: Mapping[str, NDArray[Any]], path: Path) -> PointCloud:
@@ -119,6 +120,7 @@ def _from_archive(arrays: Mapping[str, NDArray[Any]], path: Path) -> PointCloud:
     colors = _rows_of(arrays.get("colors"), len(points), (3, 4))
     normals = _rows_of(arrays.get("normals"), len(points), (3,))
     others = {k: v for k, v in arrays.items() if k not in _FIELDS and v.ndim and len(v) == len(points)}
+    known = {*_FIELDS, *others}
     return PointCloud(
         points,
         normals=None if normals is None else normals.astype(np.float64),
@@ -126,6 +128,7 @@ def _from_archive(arrays: Mapping[str, NDArray[Any]], path: Path) -> PointCloud:
         attributes=others,
         faces=faces,
         name=path.stem,
+        beside=(*lost_digits(arrays["points"]), *(f"its array {k!r}" for k in arrays if k not in known)),
     )
 
 

@@ -99,7 +99,10 @@ class Holds:
 
 
 def cloud_of(
-    columns: Mapping[str, NDArray[Any]], stem: str, faces: NDArray[np.intp] | None = None
+    columns: Mapping[str, NDArray[Any]],
+    stem: str,
+    faces: NDArray[np.intp] | None = None,
+    beside: Sequence[str] = (),
 ) -> PointCloud:
     """The cloud of named columns: coordinates, normals and colours by their names, the others as attributes.
 
@@ -109,6 +112,8 @@ def cloud_of(
     stem : str
         The cloud's name.
     faces : ndarray of int, shape (f, 3), or None
+    beside : sequence of str
+        What the file has beside them.
 
     Raises
     ------
@@ -137,7 +142,15 @@ def cloud_of(
         attributes={name: _native(values) for name, values in columns.items() if name not in used},
         faces=faces,
         name=stem,
+        beside=(*beside, *lost_digits(*channels["points"])),
     )
+
+
+def lost_digits(*coordinates: NDArray[Any]) -> tuple[str, ...]:
+    """What to say of coordinates, such as integers beyond 2**53, that are other ones as doubles."""
+    wide = [values for values in coordinates if values.dtype.kind != "f" or values.dtype.itemsize > 8]
+    same = all(exactly(values, np.float64) is not None for values in wide)
+    return () if same else ("digits of its coordinates that a double does not hold",)
 
 
 def find_roles(names: Iterable[str]) -> dict[str, tuple[str, ...]]:
@@ -237,6 +250,7 @@ def fitted(cloud: PointCloud, holds: Holds, ending: str) -> tuple[PointCloud, tu
     """
     notes: list[str] = []
     held = {"normals": holds.normals, "colors": holds.colors, "attributes": holds.types, "faces": holds.faces}
+    notes += [f"{thing} left out" for thing in cloud.beside]
     lost = [part for part in held if not held[part] and _has(cloud, part)]
     if lost:
         notes.append(f"{ending} holds no {' and no '.join(lost)}")

@@ -63,6 +63,7 @@ _COMPRESSED, _COMPRESSION = 0x80, 0xC0
 _POINTWISE, _LAYERED = b"\1\0", b"\3\0"
 _ITEM = struct.Struct("<HH2x")  # a part of a compressed point: kind, bytes, version
 _FIRST_ITEM_AT = 34
+_OF_THE_POINTS = (("LASF_Spec", 4), ("laszip encoded", 22204), ("copc", 1), ("copc", 1000), _WAVEFORM_RECORD)
 _LAYERED_WAVES = (9, 10)  # point formats that lazrs compresses wrongly where the scanner channel changes
 _LAYERS = {10: 9, 11: 1, 12: 2, 13: 1}  # of the kinds of part; extra bytes have a layer each
 
@@ -72,7 +73,20 @@ def read(path: Path) -> PointCloud:
     file = _open(path)
     names = [name for name in file.point_format.dimension_names if name not in ("X", "Y", "Z")]
     columns = [*np.asarray(file.xyz).T, *(np.array(file[name]) for name in names)]
-    return cloud_of(by_name([*AXES, *names], columns), path.stem)
+    return cloud_of(by_name([*AXES, *names], columns), path.stem, beside=_beside(file.header))
+
+
+def _beside(header: laspy.LasHeader) -> list[str]:
+    """What the header has that is said of no single point."""
+    records = [*header.vlrs, *(header.evlrs or ())]
+    systems = any(record.user_id == "LASF_Projection" for record in records)
+    more = sum((record.user_id, record.record_id) not in _OF_THE_POINTS for record in records)
+    more -= sum(record.user_id == "LASF_Projection" for record in records)
+    waves = header.version.minor >= 3 and header.start_of_waveform_data_packet_record
+    named = {"its coordinate reference system": systems, "its waveforms": waves}
+    return [name for name, there in named.items() if there] + [f"{more} further records of its header"] * (
+        more > 0
+    )
 
 
 def write(path: Path, cloud: PointCloud) -> None:

@@ -28,6 +28,7 @@ _TYPES = {
 _NAMES = {kind: name for name, kind in list(_TYPES.items())[:8]}
 _ORDERS = {b"ascii": "", b"binary_little_endian": "<", b"binary_big_endian": ">"}
 _CORNERS = ("vertex_indices", "vertex_index")
+_READ = ("vertex", "face", "tristrips")
 _MOST_PROPERTIES = 5000
 
 HOLDS = {".ply": Holds(types=tuple(_NAMES), normals="f8", colors="u1", faces=True)}
@@ -65,7 +66,8 @@ def read(path: Path) -> PointCloud:
     if not tables.get("vertex"):
         raise Damaged("it has no element 'vertex' with properties x, y and z")
     n_points = len(next(iter(tables["vertex"].values())))
-    return cloud_of(tables["vertex"], path.stem, _faces(tables, n_points))
+    beside = [f"its element {e.name!r}" for e in file.elements if e.count and e.name not in _READ]
+    return cloud_of(tables["vertex"], path.stem, _faces(tables, n_points), beside)
 
 
 def write(path: Path, cloud: PointCloud) -> None:
