@@ -6,6 +6,7 @@ import sys
 import numpy as np
 import pytest
 
+import lpcompare
 from lpcompare.cli import main
 from lpcompare.io import write
 from lpcompare.types import PointCloud
@@ -106,3 +107,10 @@ def test_a_cloud_that_cannot_be_drawn_is_one_sentence(value, reason, view, tmp_p
 def test_a_name_in_no_script_of_this_machine(view, scan, tmp_path):
     odd = scan.rename(tmp_path / os.fsdecode(b"br\xfccke.ply"))
     assert view(odd, "--out", tmp_path / "a.html")[0] == 0
+
+
+@pytest.mark.parametrize("port", [-1, 65536])
+def test_a_port_that_is_none_is_one_sentence(port, view, scan, tmp_path):
+    lpcompare.run(models=[str(scan)], methods=["random_sample"], reductions=[0.5], out=tmp_path / "run")
+    code, _, err, _ = view(tmp_path / "run", "--serve", "--port", port)
+    assert (code, err) == (2, f"lpcompare: port is {port}; give an integer from 0 to 65535.\n")
