@@ -220,13 +220,17 @@ def _names(header: bytes, row: list[str], separator: str) -> list[str]:
 
 
 def _names_of_comments(comments: list[bytes], row: list[str], separator: str) -> list[str]:
-    """The names of the last comment, or of what follows its ":", that names the axes and as many columns."""
+    """The names of the last comment, or of what follows its ":", that names the axes and as many columns.
+
+    A comment of as many cells between the rows' own marks is a line of names too, whatever they are.
+    """
     for comment in reversed(comments):
         for line in (comment, comment.partition(b":")[2]):
             names = _fitting(line, len(row), separator)
             if "points" in find_roles(names):
                 return names
-    return []
+    titles = (_cells(comment, separator) for comment in reversed(comments) if separator != " ")
+    return next((names for names in titles if len(names) == len(row)), [])
 
 
 def _fitting(line: bytes, n_columns: int, separator: str) -> list[str]:
@@ -268,7 +272,10 @@ def _columns(lines: list[bytes], separator: str) -> list[NDArray[Any]]:
 
 
 def _column(words: Sequence[str]) -> NDArray[Any]:
-    """Whole numbers that a double would round as integers, other numbers as doubles, else words."""
+    """Whole numbers that a double would round as integers, other numbers as doubles, else words.
+
+    Whole numbers that no integer of 64 bits holds are words, so that none is rounded.
+    """
     try:
         column = np.array(["nan" if w.lower() in _MISSING else w.replace("_", "?") for w in words]).astype(
             float
@@ -284,7 +291,8 @@ def _column(words: Sequence[str]) -> NDArray[Any]:
             for k in (np.int64, np.uint64)
             if np.iinfo(k).min <= min(whole) and max(whole) <= np.iinfo(k).max
         )
-        return np.array(whole, next(kinds, np.float64))
+        kind = next(kinds, None)
+        return np.array(words) if kind is None else np.array(whole, kind)
     return column
 
 

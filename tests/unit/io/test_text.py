@@ -62,6 +62,7 @@ DIALECTS = {
     ),
     "dates, tabs": ("a.txt", "x\ty\tz\ttime\n1.5\t2.5\t3.5\t1.2.24 12:00\n", {"time": ["1.2.24 12:00"]}),
     "words with commas": ("a.csv", "x;y;z;note\n1.5;2.5;3.5;tree, old\n", {"note": ["tree, old"]}),
+    "numbers that no integer holds": ("a.csv", f"x,y,z,id\n1.5,2.5,3.5,{2**64}\n", {"id": [str(2**64)]}),
     "large numbers": ("a.csv", f"x,y,z,id\n1.5,2.5,3.5,{2**53 + 1}\n", {"id": [2**53 + 1]}),
 }
 
@@ -122,6 +123,11 @@ def test_our_own_text_gives_normals_and_colours_back(suffix, tmp_path):
         ("a.txt", "1,234.5 2,345.5 7.0\n", "marks between thousands"),
         ("a.csv", "1 234.5;2 345.5;7.0\n", "is separated in two ways"),
         ("a.csv", "x;y;z\n1 234.5;2 345.5;7.0\n", "'x' is not made of numbers"),
+        (
+            "a.csv",
+            "# t (ns), X1 (m), Y1 (m), Z1 (m)\n9, 1, 2, 3\n",
+            "none of its columns are named x, y and z",
+        ),
         ("a.csv", "x,x,y,z\n9,1,2,3\n", "more than one column 'x'"),
         ("a.csv", "a,b,c\n1,2,3\n", "none of its columns are named x, y and z, only 'a', 'b', 'c'"),
         ("a.csv", "x,y,h\n1,2,3\n", "none of its columns are named x, y and z"),
