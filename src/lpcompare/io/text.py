@@ -35,6 +35,7 @@ _SUFFIXES = (".asc", ".csv", ".pts", ".txt", ".xyz")
 _COMMENTS = (b"#", b"//", b"%")
 _BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 _UTF_16 = (b"\xff\xfe", b"\xfe\xff")
+_PLAIN_NUMBER = re.compile(rb"[+-]?\d+(\.\d*)?(e[+-]?\d+)?([\s,;]|$)", re.IGNORECASE)
 _FIRST_CELL = re.compile(rb"\"?\s*([^\s,;\"]+)")
 _QUOTED = re.compile(rb"\"[^\"]*\"")
 _COMMA_IN_NUMBER = re.compile(rb"\d,\d")
@@ -151,6 +152,8 @@ def _take_apart(path: Path) -> _Table:
 
 
 def _begins_with_number(text: bytes) -> bool:
+    if _PLAIN_NUMBER.match(text):  # almost every line of a scan
+        return True
     first = _FIRST_CELL.match(text)
     if first is None:
         return False
