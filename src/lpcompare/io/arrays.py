@@ -200,4 +200,5 @@ def packed(cloud: PointCloud, prefix: str = _ATTRIBUTE) -> dict[str, NDArray[Any
 def unpacked(arrays: Mapping[str, NDArray[Any]], name: str) -> PointCloud:
     """The cloud of `packed` arrays."""
     attributes = {k.removeprefix(_ATTRIBUTE): v for k, v in arrays.items() if k.startswith(_ATTRIBUTE)}
-    return PointCloud(**{k: arrays[k] for k in _FIELDS if k in arrays}, attributes=attributes, name=name)
+    own: dict[str, Any] = {k: arrays[k] for k in _FIELDS if k in arrays}
+    return PointCloud(**own, attributes=attributes, name=name)

@@ -149,7 +149,7 @@ def _write(path: Path, file: laspy.LasData) -> None:
     """
     compressed = path.suffix.lower() == ".laz"
     waves = compressed and file.point_format.id in _LAYERED_WAVES
-    if waves and len(np.unique(file.scanner_channel)) > 1:
+    if waves and np.ptp(np.asarray(file["scanner_channel"], dtype=np.uint8)) > 0:
         raise InputError(
             "A LAZ of this point format cannot keep the wave packets of several scanner channels, "
             "because its compressor changes them; name a file that ends in .las."
