@@ -19,6 +19,14 @@ from __future__ import annotations
 from collections.abc import Iterable
 from difflib import get_close_matches
 
+LONGEST_TEXT = 1000
+
+
+def printable(text: str, limit: int = LONGEST_TEXT) -> str:
+    """A text in one line: control characters and lone surrogates become spaces, what is too long is cut."""
+    short = text if len(text) <= limit else f"{text[: limit - 2]}.."
+    return short if short.isprintable() else "".join(c if c.isprintable() else " " for c in short)
+
 
 class LpcompareError(Exception):
     """Base class of every error that lpcompare raises on purpose."""
@@ -39,7 +47,8 @@ class UnknownName(LpcompareError, LookupError):  # noqa: N818 - the tree of the 
         known = sorted(known)
         near = get_close_matches(name, known, n=1)
         hint = f" Did you mean {near[0]!r}?" if near else ""
-        super().__init__(f"Unknown {kind} {name!r}.{hint} Known: {', '.join(known)}.")
+        there_is = f"Known: {', '.join(known)}" if known else "There is none"
+        super().__init__(f"Unknown {kind} {name!r}.{hint} {there_is}.")
 
 
 class Unavailable(LpcompareError, ImportError):  # noqa: N818 - the tree of the design

@@ -40,6 +40,9 @@ class PointCloud:
         Triangles as rows of ``points``.
     name : str
         The model's name or the file's stem.
+    beside : tuple of str
+        What its file has beside the points, such as a coordinate reference system. It does not travel, and
+        `write` says so.
 
     Examples
     --------
@@ -57,6 +60,7 @@ class PointCloud:
     attributes: Mapping[str, NDArray[Any]] = field(default_factory=dict)
     faces: NDArray[np.intp] | None = None
     name: str = ""
+    beside: tuple[str, ...] = ()
 
     def __len__(self) -> int:
         return len(self.points)
@@ -92,6 +96,7 @@ class PointCloud:
             colors=None if self.colors is None else self.colors[rows],
             attributes={name: values[rows] for name, values in self.attributes.items()},
             name=self.name,
+            beside=self.beside,
         )
 
 

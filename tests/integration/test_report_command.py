@@ -46,3 +46,13 @@ def test_an_unknown_reference_is_one_sentence_and_exit_code_2(lpcompare, plain_r
     done = lpcompare("report", plain_run, "--out", tmp_path / "p.html", "--reference", "first_row")
     assert done.returncode == 2
     assert "Did you mean 'first_rows'?" in done.stderr
+
+
+def test_a_run_is_not_replaced_by_its_page(lpcompare, plain_run, tmp_path):  # noqa: F811
+    run = tmp_path / "run"
+    shutil.copytree(plain_run, run)
+    before = (run / "run.json").read_bytes()
+    done = lpcompare("report", run, "--out", run / "run.json")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert "name a file that ends in .html" in done.stderr
+    assert (run / "run.json").read_bytes() == before

@@ -162,6 +162,13 @@ def test_an_input_is_replaced_only_when_told(lpcompare, cloud, tmp_path):
         (("--reduction", "0.5", "--set", "n_cluster=3"), "Did you mean 'n_clusters'"),
         (("--reduction", "0.5", "--set", "n_clusters=many"), "a str"),
         (("--reduction", "0.5", "--seed", "-1"), "seed is -1"),
+        ((*QUICK, "--set", "size=1"), "'size'. There is none"),
+        ((*QUICK, "--tiles", "0"), "--tiles is 0"),
+        ((*QUICK, "--workers", "-1"), "--workers is -1"),
+        ((*QUICK, "--memory", "much"), "--memory is 'much'"),
+        ((*QUICK, "--memory", "0"), "--memory is '0'"),
+        ((*QUICK, "--memory-limit", "0"), "--memory-limit is 0"),
+        ((*QUICK, "--time-limit", "0"), "--time-limit is 0"),
     ],
 )
 def test_wrong_orders_are_one_sentence(words, reason, lpcompare, cloud, tmp_path):
@@ -188,6 +195,38 @@ def spoilt(kind, suffix, cloud, folder):
     elif kind == "mislabelled":
         path.write_bytes(b"\x89PNG\r\n\x1a\n" + bytes(range(256)))
     return path
+
+
+ODD_NAMES = [b"\x1b[2Jscan.ply", b"two\nlines.ply", b"br\xfccke.ply", "\u202eylp.ply".encode()]
+
+
+@pytest.mark.parametrize("name", ODD_NAMES)
+def test_names_of_files_are_no_commands_to_the_terminal(name, lpcompare, cloud, tmp_path):
+    scan = tmp_path / os.fsdecode(name)
+    write(scan, cloud)
+    code, out, _ = lpcompare(scan, tmp_path / "thin.ply", *QUICK)
+    assert (code, out.count(b"\n")) == (0, 1)
+    scan.write_bytes(b"ply\n")
+    code, _, err = lpcompare(scan, tmp_path / "thin.ply", *QUICK)
+    assert code == 2
+    assert (out.decode() + err).replace("\n", "").isprintable()
+
+
+def test_a_terminal_that_cannot_spell_a_name_still_gets_the_report(cloud, tmp_path):
+    write(tmp_path / "橋.ply", cloud)
+    command = [
+        sys.executable,
+        "-m",
+        "lpcompare.cli",
+        "simplify",
+        tmp_path / "橋.ply",
+        tmp_path / "b.ply",
+        *QUICK,
+    ]
+    western = os.environ | {"PYTHONIOENCODING": "latin-1"}
+    done = subprocess.run(command, env=western, capture_output=True, check=False)
+    assert (done.returncode, done.stderr) == (0, b"")
+    assert done.stdout.startswith(b"\\u6a4b.ply: 400 -> 40 points")
 
 
 @pytest.mark.parametrize("suffix", [".ply", ".obj", ".off", ".xyz", ".npy", ".npz", ".pcd", ".laz"])

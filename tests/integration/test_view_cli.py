@@ -1,10 +1,12 @@
 """``lpcompare view`` writes a page of a cloud or of a run, and opens it where there is a screen."""
 
+import os
 import sys
 
 import numpy as np
 import pytest
 
+import lpcompare
 from lpcompare.cli import main
 from lpcompare.io import write
 from lpcompare.types import PointCloud
@@ -74,3 +76,41 @@ def test_what_is_not_there_is_one_sentence(view, tmp_path):
     code, out, err, _ = view(tmp_path / "nosuch.ply")
     assert (code, out, err.count("\n")) == (2, "", 1)
     assert "Did you mean 'bunny'" in view("buny")[2]
+
+
+def test_what_is_shown_is_not_replaced_by_its_page(view, scan, tmp_path):
+    before = scan.read_bytes()
+    (tmp_path / "link.html").symlink_to(scan)
+    for out in (scan, tmp_path / "link.html"):
+        code, _, err, _ = view(scan, "--out", out)
+        assert (code, scan.read_bytes()) == (2, before)
+        assert "is no name of a page; name a file that ends in .html" in err
+
+
+def test_points_without_coordinates_are_left_out_and_said(view, tmp_path):
+    points = np.random.default_rng(0).normal(size=(200, 3))
+    points[:3] = np.nan
+    write(tmp_path / "scan.ply", PointCloud(points))
+    code, _, err, _ = view(tmp_path / "scan.ply", "--out", tmp_path / "a.html")
+    assert code == 0
+    assert "3 of 200 points have no finite coordinates and are left out" in err
+
+
+@pytest.mark.parametrize(("value", "reason"), [(np.nan, "NaN"), (1e300, "rescale them")])
+def test_a_cloud_that_cannot_be_drawn_is_one_sentence(value, reason, view, tmp_path):
+    write(tmp_path / "scan.ply", PointCloud(np.full((5, 3), value)))
+    code, out, err, _ = view(tmp_path / "scan.ply", "--out", tmp_path / "a.html")
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert reason in err
+
+
+def test_a_name_in_no_script_of_this_machine(view, scan, tmp_path):
+    odd = scan.rename(tmp_path / os.fsdecode(b"br\xfccke.ply"))
+    assert view(odd, "--out", tmp_path / "a.html")[0] == 0
+
+
+@pytest.mark.parametrize("port", [-1, 65536])
+def test_a_port_that_is_none_is_one_sentence(port, view, scan, tmp_path):
+    lpcompare.run(models=[str(scan)], methods=["random_sample"], reductions=[0.5], out=tmp_path / "run")
+    code, _, err, _ = view(tmp_path / "run", "--serve", "--port", port)
+    assert (code, err) == (2, f"lpcompare: port is {port}; give an integer from 0 to 65535.\n")

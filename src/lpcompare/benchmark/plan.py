@@ -10,9 +10,8 @@ from typing import Any
 import msgspec
 
 from lpcompare.benchmark.perturbation import CLEAN, Perturbation
-from lpcompare.benchmark.record import printable
 from lpcompare.checks import check_integer, check_number
-from lpcompare.errors import InputError, UnknownName
+from lpcompare.errors import InputError, UnknownName, printable
 
 PROTOCOLS = ("equal-count", "as-printed")
 REFERENCE = "lp_printed"

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
 
 import msgspec
 
-from lpcompare.errors import InputError
+from lpcompare.errors import InputError, printable
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -29,7 +29,6 @@ Facts = Annotated[Mapping[Name, Any], msgspec.Meta(max_length=1000)]
 
 _TEXTS = ("model", "method", "variant", "perturbation", "message")
 _NESTED = ("timings", "metrics")
-_MESSAGE_CHARACTERS = 1000
 
 
 @dataclass(frozen=True)
@@ -249,12 +248,6 @@ def _row(record: Record) -> dict[str, Any]:
     own = {name: value for name, value in vars(record).items() if name not in _NESTED}
     own |= {"input": record.model + done, "label": record.variant + " + swaps" * record.refined}
     return {**record.metrics, **{f"time_{stage}_s": s for stage, s in record.timings.items()}, **own}
-
-
-def printable(text: str, limit: int = _MESSAGE_CHARACTERS) -> str:
-    """A text in one line: control characters and lone surrogates become spaces, what is too long is cut."""
-    short = text if len(text) <= limit else f"{text[: limit - 2]}.."
-    return short if short.isprintable() else "".join(c if c.isprintable() else " " for c in short)
 
 
 def load_run(folder: str | Path) -> Run:

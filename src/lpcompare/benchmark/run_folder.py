@@ -25,8 +25,8 @@ from typing import Any
 
 import msgspec
 
-from lpcompare.benchmark.record import SCHEMA_VERSION, Record, frame_of, line_of, printable
-from lpcompare.errors import InputError
+from lpcompare.benchmark.record import SCHEMA_VERSION, Record, frame_of, line_of
+from lpcompare.errors import InputError, printable
 from lpcompare.files import ANOTHER_FOLDER, CONTINUE, replace_text, writing
 from lpcompare.io.arrays import digest, save_cloud
 from lpcompare.types import PointCloud

@@ -85,6 +85,8 @@ def read_study(name_or_path: str) -> Study:
         if isinstance(source, Path) and source.stat().st_size > _LARGEST_FILE:
             raise ValueError("it is larger than 1 MiB")
         fields = tomllib.loads(source.read_text(encoding="utf-8"))
+    except UnicodeDecodeError as error:
+        raise InputError(f"Study {name_or_path} cannot be read: it is no text in UTF-8.") from error
     except (OSError, ValueError, RecursionError) as error:
         raise InputError(f"Study {name_or_path} cannot be read: {error}.") from error
     return check_study(fields, f"study {name_or_path}")

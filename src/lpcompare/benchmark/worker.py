@@ -24,11 +24,11 @@ import numpy as np
 
 from lpcompare.benchmark.case import Answer, Request
 from lpcompare.benchmark.environment import library
-from lpcompare.benchmark.record import Record, printable
+from lpcompare.benchmark.record import Record
 from lpcompare.benchmark.run_folder import file_digest
 from lpcompare.benchmark.timing import OtherPrograms, peak_memory_mib, reference_seconds, timed
 from lpcompare.children import answer_stream
-from lpcompare.errors import InputError, LpcompareError, MethodError, NotApplicable, Unavailable
+from lpcompare.errors import InputError, LpcompareError, MethodError, NotApplicable, Unavailable, printable
 from lpcompare.guard import PR_SET_PDEATHSIG, prctl
 from lpcompare.io.arrays import digest, load_cloud, save_arrays
 from lpcompare.metrics.comparison import Comparison

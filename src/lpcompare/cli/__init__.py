@@ -5,11 +5,13 @@ from __future__ import annotations
 import os
 import sys
 from importlib import import_module
+from io import TextIOWrapper
 from pkgutil import iter_modules
 from typing import Annotated
 
 import typer
 
+from lpcompare.cli._say import complain, say
 from lpcompare.errors import LpcompareError
 
 EXIT_BAD_INPUT = 2
@@ -34,7 +36,7 @@ def _print_version(asked: bool) -> None:
     if asked:
         from lpcompare import __version__
 
-        typer.echo(f"lpcompare {__version__}")
+        say(f"lpcompare {__version__}")
         raise typer.Exit
 
 
@@ -48,6 +50,8 @@ def _root(
 
 def main() -> None:
     """Run ``lpcompare``; what is wrong with the input is one sentence on stderr and exit code 2."""
+    if isinstance(sys.stdout, TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")  # as standard error does, in any encoding
     try:
         build_app()()
     except LpcompareError as error:
@@ -59,5 +63,5 @@ def main() -> None:
 
 
 def _quit(sentence: str) -> None:
-    sys.stderr.write(f"lpcompare: {sentence}\n")
+    complain(sentence)
     sys.exit(EXIT_BAD_INPUT)

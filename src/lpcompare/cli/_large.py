@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -12,6 +11,8 @@ from time import perf_counter
 from typing import Any
 
 import typer
+
+from lpcompare.cli._say import complain, say
 
 Callback = Callable[[str, int, int], None]
 INTERRUPTED = 130
@@ -28,6 +29,16 @@ class Large:
     resume: bool
     workers: int
     scheduler: str | None
+
+    def check(self) -> None:
+        """Raise an `InputError` where an option has no meaning, also if it is not needed."""
+        from lpcompare.checks import check_integer
+
+        if self.memory is not None:
+            parse_size(self.memory)
+        if self.tiles is not None:
+            check_integer("--tiles", self.tiles, 1)
+        check_integer("--workers", self.workers, 0)
 
     def wanted(self, inputs: list[str], out: str) -> bool:
         """Whether an option, a URL, or one file for several inputs asks for this path."""
@@ -67,9 +78,10 @@ def parse_size(text: str) -> int:
     from lpcompare.errors import InputError
 
     found = re.fullmatch(r"([0-9]+(?:[.][0-9]+)?) ?([KMGT]?)(?:i?B)?", text.strip(), re.IGNORECASE)
-    if found is None:
+    size = int(float(found[1]) * 2 ** _UNITS[found[2].upper()]) if found else 0
+    if not size:
         raise InputError(f"--memory is {text!r}; give a size such as 4GiB or 512MiB.")
-    return int(float(found[1]) * 2 ** _UNITS[found[2].upper()])
+    return size
 
 
 @contextmanager
@@ -83,7 +95,7 @@ def some_cluster(workers: int, scheduler: str | None) -> Iterator[Any]:
         return
     workers = check_integer("--workers", workers, 0)
     with remote_client(scheduler) if scheduler else local_client(workers) as client:
-        typer.echo(f"Dask's dashboard: {client.dashboard_link}", err=True)
+        say(f"Dask's dashboard: {client.dashboard_link}", err=True)
         yield client
 
 
@@ -124,7 +136,7 @@ def simplify_large(
                 **settings,
             )
         except KeyboardInterrupt as error:
-            sys.stderr.write(f"lpcompare: Interrupted. {error}\n")
+            complain(f"Interrupted. {error}")
             raise typer.Exit(INTERRUPTED) from None
     names = f"{len(inputs)} inputs" if len(inputs) > 1 else Path(inputs[0]).name
     line = (

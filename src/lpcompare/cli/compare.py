@@ -8,6 +8,8 @@ from typing import Annotated
 
 import typer
 
+from lpcompare.cli._say import say
+
 
 def command(
     runs: Annotated[
@@ -22,4 +24,4 @@ def command(
     width = max(NARROW, get_terminal_size((NARROW, 24)).columns)
     first, *others = [load_run(path) for path in runs]
     texts = [format_comparison(first, other, width) for other in others] or [format_methods(first, width)]
-    typer.echo("\n\n".join(texts))
+    say("\n\n".join(texts))

@@ -9,7 +9,8 @@ from typing import Annotated
 import typer
 
 from lpcompare.cli._bar import stage_bar
-from lpcompare.cli._large import INTERRUPTED, parse_size, some_cluster
+from lpcompare.cli._large import INTERRUPTED, Large, parse_size, some_cluster
+from lpcompare.cli._say import say
 
 
 def command(
@@ -41,6 +42,7 @@ def command(
 
     if len(paths) < 2:
         raise InputError("Name at least one original and then the reduced file.")
+    Large(tiles, memory, spill, False, workers, scheduler).check()
     with (
         some_cluster(workers, scheduler) as client,
         stage_bar(shown=sys.stderr.isatty() and not quiet) as callback,
@@ -59,4 +61,4 @@ def command(
             raise typer.Exit(INTERRUPTED) from None
     width = max(map(len, values))
     for name, value in values.items():
-        typer.echo(f"{name:<{width}}  {value:.6g}")
+        say(f"{name:<{width}}  {value:.6g}")

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import shutil
-import sys
 import textwrap
 from typing import Annotated
 
 import typer
+
+from lpcompare.cli._say import complain, say
 
 _KINDS = ("methods", "models", "metrics")
 _NARROWEST = 80
@@ -26,14 +27,14 @@ def command(
 
     tables = {"methods": _methods, "models": _models, "metrics": _metrics}
     if what and what not in tables:
-        typer.echo(_explain(what))
+        say(_explain(what))
         return
     for kind in [what] if what else _KINDS:
         if not what:
-            typer.echo(f"{kind}:")
-        typer.echo(_lines(tables[kind]()))
+            say(f"{kind}:")
+        say(_lines(tables[kind]()))
     for note in METHODS.notes + METRICS.notes:
-        sys.stderr.write(f"lpcompare: {note}\n")
+        complain(note)
 
 
 def _width() -> int:

@@ -7,6 +7,8 @@ from typing import Annotated
 
 import typer
 
+from lpcompare.cli._say import say
+
 
 def command(
     run: Annotated[Path, typer.Argument(help="Folder of a run, or its run.json.", show_default=False)],
@@ -59,4 +61,4 @@ def command(
 
         written += write_project(loaded, loaded.folder / "meshlab")
     for path in written:
-        typer.echo(str(path))
+        say(str(path))

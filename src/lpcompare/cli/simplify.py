@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from lpcompare.cli._large import Large, simplify_large
+from lpcompare.cli._say import complain, say
 
 if TYPE_CHECKING:
     import numpy as np
@@ -126,7 +127,7 @@ def command(
         method=method,
         how_far=_how_far(reduction, count, max_error, tolerance) | {"statistic": statistic},
         settings=chosen.get(method, {}),
-        limits=_limits(time_limit, memory_limit) if isolate or time_limit or memory_limit else None,
+        limits=_limits(time_limit, memory_limit, isolate=isolate),
         seed=check_integer("seed", seed, 0),
         strict=strict,
         drop_outliers=drop_outliers,
@@ -135,6 +136,7 @@ def command(
         evaluate=evaluate,
     )
     large = Large(tiles, memory, spill, resume, workers, scheduler)
+    large.check()
     together = large.wanted(paths[:-1], paths[-1])
     pairs = [] if together else _pairs(paths, force=force)
     failed = False
@@ -142,7 +144,7 @@ def command(
         if together:
             report = _in_tiles(paths[:-1], paths[-1], order, large, callback)
             if not quiet:
-                typer.echo(report)
+                say(report)
         for source, target in pairs:
             try:
                 if isinstance(target, Path) and large.needed(source, method):
@@ -152,11 +154,11 @@ def command(
             except LpcompareError as error:
                 if len(pairs) == 1:
                     raise
-                sys.stderr.write(f"lpcompare: {error}\n")
+                complain(str(error))
                 failed = True
                 continue
             if not quiet:
-                typer.echo(report, err=target == STANDARD_OUTPUT)
+                say(report, err=target == STANDARD_OUTPUT)
     if failed:
         raise typer.Exit(2)
 
@@ -208,12 +210,16 @@ def _how_far(
     return given
 
 
-def _limits(time_limit: float | None, memory_limit: int | None) -> Limits:
+def _limits(time_limit: float | None, memory_limit: int | None, *, isolate: bool) -> Limits | None:
+    """The limits of a child process, or None where none is asked for."""
     from lpcompare.checks import check_integer, check_number
     from lpcompare.isolation import Limits
 
+    if time_limit is None and memory_limit is None and not isolate:
+        return None
     memory = None if memory_limit is None else check_integer("--memory-limit", memory_limit, 1)
-    return Limits(check_number("--time-limit", time_limit or Limits.time_s, 0.0), memory)
+    seconds = Limits.time_s if time_limit is None else check_number("--time-limit", time_limit, 1e-3)
+    return Limits(seconds, memory)
 
 
 def _simplify_file(source: Path, target: Path | str, order: _Order, callback: Callback) -> str:
@@ -302,6 +308,8 @@ def _write(source: Path, path: Path, cloud: PointCloud, result: Simplification, 
 
 def _report(source: Path, cloud: PointCloud, result: Simplification, notes: list[str], begin: float) -> str:
     """One line: counts, error, seconds, and what was lost."""
+    from lpcompare.errors import printable
+
     error, diagonal, sampled = _plane_error(cloud, result)
     where = f" at {_JUDGED:,} sampled points" if sampled else ""
     share = f"{100 * error / diagonal:.4f} % of the diagonal" if diagonal else "no extent"
@@ -311,7 +319,7 @@ def _report(source: Path, cloud: PointCloud, result: Simplification, notes: list
     seconds += f", {perf_counter() - begin:.2f} s in all"
     return "; ".join(
         [
-            f"{source.name}: {len(cloud):,} -> {len(result):,} points by {result.method}, "
+            f"{printable(source.name)}: {len(cloud):,} -> {len(result):,} points by {result.method}, "
             f"plane error (eq. 27) {share} ({error:.3g} model units){where}, {seconds}",
             *notes,
         ]

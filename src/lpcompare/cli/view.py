@@ -11,6 +11,8 @@ from typing import Annotated
 
 import typer
 
+from lpcompare.cli._say import say
+
 RUN_FILE = "run.json"
 
 
@@ -37,18 +39,19 @@ def command(
         return
     page = _write_page(target, out)
     shown = browser and _has_screen() and webbrowser.open(page.resolve().as_uri())
-    typer.echo(f"{'Opened' if shown else 'The page is'} {page}")
+    say(f"{'Opened' if shown else 'The page is'} {page}")
 
 
 def _write_page(target: str, out: Path | None) -> Path:
-    from lpcompare.models import load_model
+    from lpcompare.benchmark.runner import load_models
     from lpcompare.report.page import write_page, write_view
 
     path = Path(target)
     out = out or Path(tempfile.mkdtemp(prefix="lpcompare-")) / f"{path.stem}.html"
     if _is_run(path):
         return write_page(path, out)
-    return write_view(load_model(target), out)
+    (cloud,) = load_models([target], tell=lambda sentence: say(sentence, err=True)).values()
+    return write_view(cloud, out)
 
 
 def _serve(target: str, port: int, *, browser: bool) -> None:
@@ -61,13 +64,13 @@ def _serve(target: str, port: int, *, browser: bool) -> None:
         raise InputError(f"{target} is not the folder of a run; --serve shows runs, a file needs no server.")
     with make_server(load_run(target), port=port) as server:
         address = f"http://{HOST}:{server.server_port}/"
-        typer.echo(f"The page is {address} until you stop this command (Ctrl-C).")
+        say(f"The page is {address} until you stop this command (Ctrl-C).")
         if browser and _has_screen():
             webbrowser.open(address)
         try:
             server.serve_forever()
         except KeyboardInterrupt:
-            typer.echo("")
+            say("")
 
 
 def _is_run(path: Path) -> bool:

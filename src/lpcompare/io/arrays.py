@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from lpcompare.errors import InputError
 from lpcompare.files import CONTINUE, whole_file
-from lpcompare.io.columns import Holds
+from lpcompare.io.columns import Holds, exactly, fractions, lost_digits
 from lpcompare.io.faces import checked_triangles
 from lpcompare.io.rows import Damaged
 from lpcompare.types import Indices, PointCloud
@@ -103,7 +103,8 @@ def _from_array(array: NDArray[Any], path: Path) -> PointCloud:
     if array.ndim != 2 or array.shape[1] < 3:
         raise Damaged(f"its array has the shape {array.shape}; points have the shape (n, 3)")
     more = {"columns": array[:, 3:]} if array.shape[1] > 3 else {}
-    return PointCloud(_points(array[:, :3]), attributes=more, name=path.stem)
+    beside = lost_digits(array[:, :3])
+    return PointCloud(_points(array[:, :3]), attributes=more, name=path.stem, beside=beside)
 
 
 def _from_archive(arrays: Mapping[str, NDArray[Any]], path: Path) -> PointCloud:
@@ -112,15 +113,22 @@ def _from_archive(arrays: Mapping[str, NDArray[Any]], path: Path) -> PointCloud:
     points = _points(arrays["points"])
     faces = arrays.get("faces")
     if faces is not None:
-        faces = checked_triangles(faces.reshape(-1, 3).astype(np.intp), len(points))
+        corners = exactly(faces.reshape(-1, 3), np.intp) if faces.dtype.kind in "iuf" else None
+        if corners is None:
+            raise Damaged(f"its faces of type {faces.dtype} are no numbers of points")
+        faces = checked_triangles(corners, len(points))
+    colors = _rows_of(arrays.get("colors"), len(points), (3, 4))
+    normals = _rows_of(arrays.get("normals"), len(points), (3,))
     others = {k: v for k, v in arrays.items() if k not in _FIELDS and v.ndim and len(v) == len(points)}
+    known = {*_FIELDS, *others}
     return PointCloud(
         points,
-        normals=_rows_of(arrays.get("normals"), len(points), 3),
-        colors=_rows_of(arrays.get("colors"), len(points), 4),
+        normals=None if normals is None else normals.astype(np.float64),
+        colors=None if colors is None else fractions(*colors.T),
         attributes=others,
         faces=faces,
         name=path.stem,
+        beside=(*lost_digits(arrays["points"]), *(f"its array {k!r}" for k in arrays if k not in known)),
     )
 
 
@@ -132,12 +140,12 @@ def _points(array: NDArray[Any]) -> NDArray[np.float64]:
     return np.ascontiguousarray(array, dtype=np.float64)
 
 
-def _rows_of(array: NDArray[Any] | None, n_points: int, width: int) -> NDArray[np.float64] | None:
+def _rows_of(array: NDArray[Any] | None, n_points: int, widths: tuple[int, ...]) -> NDArray[Any] | None:
     if array is None:
         return None
-    if array.shape != (n_points, width) or array.dtype.kind not in "iuf":
-        raise Damaged(f"an array has the shape {array.shape} where {(n_points, width)} is needed")
-    return array.astype(np.float64)
+    if array.shape not in [(n_points, width) for width in widths] or array.dtype.kind not in "iuf":
+        raise Damaged(f"an array has the shape {array.shape} where {(n_points, widths[-1])} is needed")
+    return array
 
 
 def save_arrays(path: Path, arrays: Mapping[str, NDArray[Any]]) -> None:
@@ -192,4 +200,5 @@ def packed(cloud: PointCloud, prefix: str = _ATTRIBUTE) -> dict[str, NDArray[Any
 def unpacked(arrays: Mapping[str, NDArray[Any]], name: str) -> PointCloud:
     """The cloud of `packed` arrays."""
     attributes = {k.removeprefix(_ATTRIBUTE): v for k, v in arrays.items() if k.startswith(_ATTRIBUTE)}
-    return PointCloud(**{k: arrays[k] for k in _FIELDS if k in arrays}, attributes=attributes, name=name)
+    own: dict[str, Any] = {k: arrays[k] for k in _FIELDS if k in arrays}
+    return PointCloud(**own, attributes=attributes, name=name)

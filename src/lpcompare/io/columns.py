@@ -10,13 +10,15 @@ import re
 from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import chain, count
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
-from lpcompare.io.rows import Damaged
+from lpcompare.io.rows import LONGEST_HEADER, Damaged
 from lpcompare.types import PointCloud
+
+_Column = TypeVar("_Column")
 
 AXES, NORMALS, COLORS = ("x", "y", "z"), ("nx", "ny", "nz"), ("red", "green", "blue", "alpha")
 NUMBERS = ("u1", "i1", "u2", "i2", "u4", "i4", "u8", "i8", "f4", "f8")
@@ -97,7 +99,10 @@ class Holds:
 
 
 def cloud_of(
-    columns: Mapping[str, NDArray[Any]], stem: str, faces: NDArray[np.intp] | None = None
+    columns: Mapping[str, NDArray[Any]],
+    stem: str,
+    faces: NDArray[np.intp] | None = None,
+    beside: Sequence[str] = (),
 ) -> PointCloud:
     """The cloud of named columns: coordinates, normals and colours by their names, the others as attributes.
 
@@ -107,6 +112,8 @@ def cloud_of(
     stem : str
         The cloud's name.
     faces : ndarray of int, shape (f, 3), or None
+    beside : sequence of str
+        What the file has beside them.
 
     Raises
     ------
@@ -135,11 +142,26 @@ def cloud_of(
         attributes={name: _native(values) for name, values in columns.items() if name not in used},
         faces=faces,
         name=stem,
+        beside=(*beside, *lost_digits(*channels["points"])),
     )
 
 
+def lost_digits(*coordinates: NDArray[Any]) -> tuple[str, ...]:
+    """What to say of coordinates, such as integers beyond 2**53, that are other ones as doubles."""
+    wide = [values for values in coordinates if values.dtype.kind != "f" or values.dtype.itemsize > 8]
+    same = all(exactly(values, np.float64) is not None for values in wide)
+    return () if same else ("digits of its coordinates that a double does not hold",)
+
+
 def find_roles(names: Iterable[str]) -> dict[str, tuple[str, ...]]:
-    """Which of the names are "points", "normals" and "colors", the usual names before others."""
+    """Which of the names are "points", "normals" and "colors", the usual names before others.
+
+    Raises
+    ------
+    Damaged
+        A coordinate's name comes twice, so that it does not say which column is meant.
+    """
+    names = list(names)
     exact = {name: name for name in names}
     plain: dict[str, str] = {}
     for name in exact:
@@ -152,7 +174,24 @@ def find_roles(names: Iterable[str]) -> dict[str, tuple[str, ...]]:
             if len(found) >= 3 and all(map(known.get, group[:3])):
                 roles[role] = found
                 break
+    if twice := [name for name in roles.get("points", ()) if names.count(name) > 1]:
+        raise Damaged(f"it has more than one column {twice[0]!r}; name the others otherwise")
     return roles
+
+
+def by_name(names: Iterable[str], columns: Iterable[_Column]) -> dict[str, _Column]:
+    """The columns of a file by their names; a name that comes again is numbered.
+
+    Raises
+    ------
+    Damaged
+        As `find_roles`.
+    """
+    names, named = list(names), dict[str, _Column]()
+    find_roles(names)
+    for name, column in zip(names, columns, strict=True):
+        named[free_name(name, named, longest=LONGEST_HEADER)] = column
+    return named
 
 
 def fractions(*channels: ArrayLike) -> NDArray[np.float64]:
@@ -165,6 +204,12 @@ def fractions(*channels: ArrayLike) -> NDArray[np.float64]:
     scales = [_scale(np.column_stack(colors[:3]))] * 3 + [_scale(channel) for channel in colors[3:]]
     columns = [np.asarray(c, dtype=np.float64) / s for c, s in zip(colors, scales, strict=True)]
     return np.column_stack(columns if len(columns) > 3 else [*columns, np.ones(len(columns[0]))])
+
+
+def with_bytes(columns: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
+    """The columns with colours from 0 to 255 in that type, so that a dark cloud is not taken for fractions."""
+    fits = {name: exactly(columns[name], np.uint8) for name in COLORS if name in columns}
+    return columns | {name: fit for name, fit in fits.items() if fit is not None}
 
 
 def columns_of(cloud: PointCloud, normals: Sequence[str] = NORMALS) -> dict[str, NDArray[Any]]:
@@ -205,6 +250,7 @@ def fitted(cloud: PointCloud, holds: Holds, ending: str) -> tuple[PointCloud, tu
     """
     notes: list[str] = []
     held = {"normals": holds.normals, "colors": holds.colors, "attributes": holds.types, "faces": holds.faces}
+    notes += [f"{thing} left out" for thing in cloud.beside]
     lost = [part for part in held if not held[part] and _has(cloud, part)]
     if lost:
         notes.append(f"{ending} holds no {' and no '.join(lost)}")
@@ -342,13 +388,16 @@ def _quantised(colors: NDArray[np.float64], holds: Holds, notes: list[str]) -> N
     if not holds.alpha and not np.array_equal(colors[:, 3:], np.ones_like(colors[:, 3:])):
         notes.append("the alpha of colors is left out")
     channels = colors if holds.alpha else colors[:, :3]
+    if ((channels < 0) | (channels > 1)).any():
+        notes.append("colors outside 0 to 1 are cut off")
+        channels = np.clip(channels, 0, 1)
     if kind.kind == "f":
         return channels
     if unknown := int(np.isnan(channels).any(axis=1).sum()):
         notes.append(f"colors of {unknown} point{'s' * (unknown > 1)} are not known and become 0")
         channels = np.nan_to_num(channels)
     largest = np.iinfo(kind).max
-    steps = np.rint(np.clip(channels, 0, 1) * largest)
+    steps = np.rint(channels * largest)
     if not np.allclose(steps / largest, channels, rtol=0, atol=1e-9):
         notes.append(f"colors are rounded to {8 * kind.itemsize} bits")
     return steps.astype(kind)

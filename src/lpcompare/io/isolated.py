@@ -14,6 +14,8 @@ import signal
 import subprocess
 import sys
 import tempfile
+from collections.abc import Sequence
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 from typing import IO, Any
@@ -48,8 +50,9 @@ def read(family: str, path: Path) -> PointCloud:
         The reader refused the file, crashed or did not come back.
     """
     with tempfile.TemporaryFile() as answer:
-        names = _answer(path, [family, "read", str(path)], subprocess.DEVNULL, answer)
-        return unpacked({name: np.load(answer, allow_pickle=False) for name in names}, path.stem)
+        said = _answer(path, [family, "read", str(path)], subprocess.DEVNULL, answer)
+        arrays = {name: np.load(answer, allow_pickle=False) for name in said["names"]}
+        return replace(unpacked(arrays, path.stem), beside=tuple(said["beside"]))
 
 
 def keep_rows(family: str, source: Path, target: Path, rows: Indices) -> tuple[str, ...]:
@@ -57,10 +60,10 @@ def keep_rows(family: str, source: Path, target: Path, rows: Indices) -> tuple[s
     with tempfile.TemporaryFile() as answer, tempfile.TemporaryFile() as given:
         np.save(given, rows)
         given.seek(0)
-        return tuple(_answer(source, [family, "keep_rows", str(source), str(target)], given, answer))
+        return tuple(_answer(source, [family, "keep_rows", str(source), str(target)], given, answer)["names"])
 
 
-def _answer(path: Path, arguments: list[str], given: int | IO[bytes], answer: IO[bytes]) -> list[str]:
+def _answer(path: Path, arguments: list[str], given: int | IO[bytes], answer: IO[bytes]) -> dict[str, Any]:
     """Run `main` in a child; ``answer`` begins with a line that says how it went, which is returned."""
     limit = _SECONDS + _SECONDS_PER_MIB * path.stat().st_size / 2**20
     command = [sys.executable, "-P", "-c", _START, str(_ROOT), *arguments]
@@ -86,7 +89,7 @@ def _answer(path: Path, arguments: list[str], given: int | IO[bytes], answer: IO
         raise OSError(errno.EIO, verdict["reason"])
     if verdict["error"]:
         raise _ERRORS.get(verdict["error"], Damaged)(verdict["reason"])
-    return verdict["names"]
+    return verdict
 
 
 def main(family: str, action: str, source: str, target: str = "") -> None:
@@ -96,12 +99,14 @@ def main(family: str, action: str, source: str, target: str = "") -> None:
     _limit(Path(source))
     sys.modules["requests"] = None  # type: ignore[assignment] # laspy would import it for files behind a URL
     names: list[str] = []
+    beside: Sequence[str] = ()
     values: list[Any] = []
     error = reason = ""
     try:
         module = import_module(f"lpcompare.io.{family}")
         if action == "read":
-            arrays = packed(module.read(Path(source)))
+            cloud = module.read(Path(source))
+            arrays, beside = packed(cloud), cloud.beside
             names, values = list(arrays), list(arrays.values())
         else:
             names = list(module.keep_rows(Path(source), Path(target), np.load(sys.stdin.buffer)))
@@ -111,7 +116,9 @@ def main(family: str, action: str, source: str, target: str = "") -> None:
         error, reason = "OSError", failure.strerror or type(failure).__name__
     except BaseException:  # a Rust panic is no Exception; a library's own text is not for people
         error, reason = "Damaged", "it is damaged, or not of this format"
-    out.write(json.dumps({"error": error, "reason": reason, "names": names}).encode() + b"\n")
+    out.write(
+        json.dumps({"error": error, "reason": reason, "names": names, "beside": beside}).encode() + b"\n"
+    )
     for array in values:
         np.save(out, array, allow_pickle=False)
     out.close()

@@ -17,7 +17,8 @@ from laspy.vlrs.vlrlist import VLRList
 from lazrs.lazrs import LazVlr, read_chunk_table
 from numpy.typing import NDArray
 
-from lpcompare.io.columns import AXES, COLORS, NORMALS, NUMBERS, Holds, cloud_of, columns_of
+from lpcompare.errors import InputError
+from lpcompare.io.columns import AXES, COLORS, NORMALS, NUMBERS, Holds, by_name, cloud_of, columns_of
 from lpcompare.io.rows import Damaged, check_held, check_room
 from lpcompare.types import Indices, PointCloud
 
@@ -62,6 +63,8 @@ _COMPRESSED, _COMPRESSION = 0x80, 0xC0
 _POINTWISE, _LAYERED = b"\1\0", b"\3\0"
 _ITEM = struct.Struct("<HH2x")  # a part of a compressed point: kind, bytes, version
 _FIRST_ITEM_AT = 34
+_OF_THE_POINTS = (("LASF_Spec", 4), ("laszip encoded", 22204), ("copc", 1), ("copc", 1000), _WAVEFORM_RECORD)
+_LAYERED_WAVES = (9, 10)  # point formats that lazrs compresses wrongly where the scanner channel changes
 _LAYERS = {10: 9, 11: 1, 12: 2, 13: 1}  # of the kinds of part; extra bytes have a layer each
 
 
@@ -69,9 +72,20 @@ def read(path: Path) -> PointCloud:
     """Scaled coordinates; colours from 0 to 1; every other dimension under its name."""
     file = _open(path)
     names = [name for name in file.point_format.dimension_names if name not in ("X", "Y", "Z")]
-    columns = dict(zip(AXES, np.asarray(file.xyz).T, strict=True))
-    return cloud_of(
-        columns | {name: np.array(file[name]) for name in names if name not in columns}, path.stem
+    columns = [*np.asarray(file.xyz).T, *(np.array(file[name]) for name in names)]
+    return cloud_of(by_name([*AXES, *names], columns), path.stem, beside=_beside(file.header))
+
+
+def _beside(header: laspy.LasHeader) -> list[str]:
+    """What the header has that is said of no single point."""
+    records = [*header.vlrs, *(header.evlrs or ())]
+    systems = any(record.user_id == "LASF_Projection" for record in records)
+    more = sum((record.user_id, record.record_id) not in _OF_THE_POINTS for record in records)
+    more -= sum(record.user_id == "LASF_Projection" for record in records)
+    waves = header.version.minor >= 3 and header.start_of_waveform_data_packet_record
+    named = {"its coordinate reference system": systems, "its waveforms": waves}
+    return [name for name, there in named.items() if there] + [f"{more} further records of its header"] * (
+        more > 0
     )
 
 
@@ -126,8 +140,21 @@ def make_writable(header: laspy.LasHeader) -> None:
 
 
 def _write(path: Path, file: laspy.LasData) -> None:
-    """The file with names in the header as they are, also those that are not ASCII."""
-    how = {"do_compress": path.suffix.lower() == ".laz", "encoding_errors": "ignore", "closefd": False}
+    """The file with names in the header as they are, also those that are not ASCII.
+
+    Raises
+    ------
+    InputError
+        It would be a LAZ with wave packets of several scanner channels.
+    """
+    compressed = path.suffix.lower() == ".laz"
+    waves = compressed and file.point_format.id in _LAYERED_WAVES
+    if waves and np.ptp(np.asarray(file["scanner_channel"], dtype=np.uint8)) > 0:
+        raise InputError(
+            "A LAZ of this point format cannot keep the wave packets of several scanner channels, "
+            "because its compressor changes them; name a file that ends in .las."
+        )
+    how = {"do_compress": compressed, "encoding_errors": "ignore", "closefd": False}
     with path.open("wb") as out, laspy.LasWriter(out, file.header, **how) as writer:
         writer.write_points(file.points)
         if file.evlrs:

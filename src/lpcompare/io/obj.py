@@ -42,13 +42,19 @@ def read(path: Path) -> PointCloud:
     vertices = _table(file.of(b"v"))
     if not vertices.size:
         raise Damaged("it has no vertex lines ('v x y z')")
-    own = file.own[b"vn"]
+    own, width = file.own[b"vn"], vertices.shape[1]
+    lost = {
+        "its texture coordinates": file.of(b"vt"),
+        "its normals, of which points have none or several,": own is None and file.of(b"vn"),
+        "further numbers of its points": width > 6 or 3 < width < 6,
+    }
     return PointCloud(
         vertices[:, :3],
         normals=None if own is None else _table(file.of(b"vn"))[own, :3],
-        colors=fractions(*vertices[:, 3:6].T) if vertices.shape[1] >= 6 else None,
+        colors=fractions(*vertices[:, 3:6].T) if width >= 6 else None,
         faces=fan_triangles(file.polygons, len(vertices)),
         name=path.stem,
+        beside=tuple(name for name, there in lost.items() if there),
     )
 
 

@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-from lpcompare.io.columns import AXES, COLORS, NORMALS, Holds, cloud_of
+from lpcompare.io.columns import AXES, COLORS, NORMALS, Holds, cloud_of, with_bytes
 from lpcompare.io.faces import fan_triangles
 from lpcompare.io.rows import Damaged, numbers
 from lpcompare.types import Indices, PointCloud
@@ -27,13 +27,18 @@ class _File:
 
 
 def read(path: Path) -> PointCloud:
-    """Vertices and triangles; colours and normals where the keyword leaves no doubt about the columns."""
+    """Vertices and triangles; colours and normals where the keyword leaves no doubt about the columns.
+
+    Whole numbers are colours from 0 to 255, others fractions, as Geomview's description says.
+    """
     file = _take_apart(path)
     values = numbers(file.vertices)
     corners = _polygons(file.faces)
     faces = fan_triangles(corners, len(values)) if corners else None
-    names = _names(file.keyword, values.shape[1])
-    return cloud_of(dict(zip(names, values.T, strict=True)), path.stem, faces)
+    columns = dict(zip(_names(file.keyword, values.shape[1]), values.T, strict=True))
+    n_channels = sum(name in COLORS for name in columns)
+    channels = b"".join(word for line in file.vertices for word in line.split()[-n_channels:])
+    return cloud_of(with_bytes(columns) if channels.isdigit() else columns, path.stem, faces)
 
 
 def write(path: Path, cloud: PointCloud) -> None:
@@ -62,7 +67,7 @@ def _take_apart(path: Path) -> _File:
     Raises
     ------
     Damaged
-        No OFF keyword, a binary or four-dimensional file, or fewer lines than the counts say.
+        No OFF keyword, a binary or four-dimensional file, or another number of lines than the counts say.
     """
     lines = [line.strip() for line in path.read_bytes().splitlines()]
     comments = [line for line in lines if line.startswith(b"#")]
@@ -77,7 +82,7 @@ def _take_apart(path: Path) -> _File:
     counts = after or b"".join(content[1:2]).split()
     body = content[1:] if after else content[2:]
     n_vertices, n_faces = (int(n) if n.isdigit() else -1 for n in (*counts, b"", b"")[:2])
-    if n_vertices < 1 or n_faces < 0 or len(body) < n_vertices + n_faces:
+    if n_vertices < 1 or n_faces < 0 or len(body) != n_vertices + n_faces:
         raise Damaged(f"it promises {n_vertices} vertices and {n_faces} faces and holds {len(body)} lines")
     return _File(keyword, comments, body[:n_vertices], body[n_vertices : n_vertices + n_faces])
 

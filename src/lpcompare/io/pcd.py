@@ -16,7 +16,7 @@ import lzf
 import numpy as np
 from numpy.typing import NDArray
 
-from lpcompare.io.columns import AXES, COLORS, Holds, cloud_of, columns_of, free_name, records
+from lpcompare.io.columns import AXES, COLORS, Holds, by_name, cloud_of, columns_of, find_roles, records
 from lpcompare.io.rows import LONGEST_HEADER, Damaged, check_held, decoded, numbers
 from lpcompare.types import Indices, PointCloud
 
@@ -58,7 +58,7 @@ def read(path: Path) -> PointCloud:
     """Coordinates, normals, the packed colour as red, green, blue, alpha; every other field as it is."""
     file = _take_apart(path)
     table = _table(file)
-    fields = list(zip(file.names, file.kind.names or (), strict=True))
+    fields = [(n, k) for n, k in zip(file.names, file.kind.names or (), strict=True) if n != "_"]
     columns: dict[str, NDArray[Any]] = {}
     for name, key in [(n, k) for n, k in fields if n.lower() in _PACKED and file.kind[k].itemsize == 4][:1]:
         words = np.ascontiguousarray(table[key]).view(np.uint32)
@@ -67,9 +67,8 @@ def read(path: Path) -> PointCloud:
             c: (words >> shift & 255).astype(np.uint8) for c, shift in zip(COLORS, shifts, strict=False)
         }
         fields.remove((name, key))
-    for name, key in fields:
-        if name != "_":
-            columns[free_name(name, columns)] = table[key]
+    others = [table[key] for _, key in fields]
+    columns = by_name([*columns, *(name for name, _ in fields)], [*columns.values(), *others])
     return cloud_of(columns, path.stem)
 
 
@@ -140,7 +139,7 @@ def parse_header(content: bytes) -> File:
     Raises
     ------
     Damaged
-        Fields without a type, or more values a point than anyone stores.
+        Fields without a type, a coordinate that comes twice, or more values a point than anyone stores.
     """
     end = re.search(rb"^[ \t]*DATA[ \t]+(\w+)[^\n]*\n", content[:LONGEST_HEADER], re.MULTILINE)
     if end is None:
@@ -167,6 +166,7 @@ def parse_header(content: bytes) -> File:
     points, width, height = (_integer(words, key, 0, "0") for key in ("POINTS", "WIDTH", "HEIGHT"))
     shape = (width, height) if width * height >= points else (points, 1)
     used = tuple(name for name, count in zip(names, numbers_of, strict=True) if count)
+    find_roles(used)
     return File(head, end[1].lower(), np.dtype(kinds), used, shape, content[end.end() :])
 
 

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lpcompare.io.columns import Holds, cloud_of, columns_of, exactly, records
+from lpcompare.io.columns import Holds, by_name, cloud_of, columns_of, exactly, records
 from lpcompare.io.faces import fan_triangles, strip_triangles
 from lpcompare.io.rows import LONGEST_HEADER, Damaged, check_held, decoded, numbers
 from lpcompare.types import Indices, PointCloud
@@ -28,6 +28,7 @@ _TYPES = {
 _NAMES = {kind: name for name, kind in list(_TYPES.items())[:8]}
 _ORDERS = {b"ascii": "", b"binary_little_endian": "<", b"binary_big_endian": ">"}
 _CORNERS = ("vertex_indices", "vertex_index")
+_READ = ("vertex", "face", "tristrips")
 _MOST_PROPERTIES = 5000
 
 HOLDS = {".ply": Holds(types=tuple(_NAMES), normals="f8", colors="u1", faces=True)}
@@ -65,7 +66,8 @@ def read(path: Path) -> PointCloud:
     if not tables.get("vertex"):
         raise Damaged("it has no element 'vertex' with properties x, y and z")
     n_points = len(next(iter(tables["vertex"].values())))
-    return cloud_of(tables["vertex"], path.stem, _faces(tables, n_points))
+    beside = [f"its element {e.name!r}" for e in file.elements if e.count and e.name not in _READ]
+    return cloud_of(tables["vertex"], path.stem, _faces(tables, n_points), beside)
 
 
 def write(path: Path, cloud: PointCloud) -> None:
@@ -108,7 +110,8 @@ def _take_apart(path: Path) -> _File:
     Raises
     ------
     Damaged
-        No header of PLY, or one that is longer or has more properties than anyone writes.
+        No header of PLY, or one that is longer or has more properties than anyone writes; text with more
+        rows than the header says.
     """
     content = path.read_bytes()
     order, head, elements, end = parse_header(content)
@@ -119,6 +122,9 @@ def _take_apart(path: Path) -> _File:
             )
     body = content[end:]
     rows = [line for line in body.splitlines(keepends=True) if line.strip()] if not order else []
+    promised = sum(element.count for element in elements if element.properties)
+    if not order and len(rows) > promised:
+        raise Damaged(f"it promises {promised} rows and holds {len(rows)}")
     return _File(order, head, elements, body, rows)
 
 
@@ -156,6 +162,9 @@ def parse_header(content: bytes) -> tuple[str, list[bytes], list[Element], int]:
                 raise Damaged(f"its header has the line {line.strip()[:60]!r}")
     if order is None:
         raise Damaged(f"its header has none of the formats {b', '.join(_ORDERS).decode()}")
+    named = [element.name for element in elements]
+    if twice := next((name for name in named if named.count(name) > 1), None):
+        raise Damaged(f"its header has more than one element {twice[:40]!r}")
     if sum(len(element.properties) for element in elements) > _MOST_PROPERTIES:
         raise Damaged(f"its header has more than {_MOST_PROPERTIES} properties")
     return order, head, elements, end.end()
@@ -175,6 +184,7 @@ def _table(file: _File, element: Element, start: int) -> tuple[dict[str, NDArray
     Lists that are all of one length, such as triangles, are read at once.
     """
     names, count = [name for name, *_ in element.properties], element.count
+    values = [f"v{i}" for i in range(len(names))]
     if not count or not names:
         return {}, np.full(count + 1, start)
     lines = file.rows[start : start + count]
@@ -192,11 +202,11 @@ def _table(file: _File, element: Element, start: int) -> tuple[dict[str, NDArray
         table = np.frombuffer(file.body, kind, count, start)
     if table is not None and all((table[n] == table[n][0]).all() for n in kind.names or () if n[0] == "n"):
         step = kind.itemsize if file.order else 1
-        return {name: table[f"v{i}"] for i, name in enumerate(names)}, start + step * np.arange(count + 1)
+        return by_name(names, map(table.__getitem__, values)), start + step * np.arange(count + 1)
     found, ends = _rows(file, element, start, count)
     lists = [np.fromiter(values, object, count) for values in found]
     columns = [np.concatenate(v) if not p[2] else v for v, p in zip(lists, element.properties, strict=True)]
-    return dict(zip(names, columns, strict=True)), ends if file.order else np.arange(start, start + count + 1)
+    return by_name(names, columns), ends if file.order else np.arange(start, start + count + 1)
 
 
 def _record(order: str, element: Element, i: int, length: int) -> list[tuple[str, str, tuple[int, ...]]]:

@@ -10,13 +10,24 @@ import csv
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import compress
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lpcompare.io.columns import AXES, COLORS, NUMBERS, Holds, cloud_of, columns_of, find_roles, free_name
+from lpcompare.io.columns import (
+    AXES,
+    COLORS,
+    NUMBERS,
+    Holds,
+    by_name,
+    cloud_of,
+    columns_of,
+    find_roles,
+    with_bytes,
+)
 from lpcompare.io.rows import Damaged, decoded, numbers
 from lpcompare.types import Indices, PointCloud
 
@@ -24,12 +35,18 @@ _SUFFIXES = (".asc", ".csv", ".pts", ".txt", ".xyz")
 _COMMENTS = (b"#", b"//", b"%")
 _BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 _UTF_16 = (b"\xff\xfe", b"\xfe\xff")
-_NUMBER = re.compile(rb"\"?\s*[+-]?(\d|\.\d|nan|inf)", re.IGNORECASE)
-_DECIMAL_COMMA = re.compile(rb"\d,\d+(\s+|;)[+-]?\d+,\d")
+_PLAIN_NUMBER = re.compile(rb"[+-]?\d+(\.\d*)?(e[+-]?\d+)?([\s,;]|$)", re.IGNORECASE)
+_FIRST_CELL = re.compile(rb"\"?\s*([^\s,;\"]+)")
+_QUOTED = re.compile(rb"\"[^\"]*\"")
+_COMMA_IN_NUMBER = re.compile(rb"\d,\d")
+_EXCEL_SEPARATOR = re.compile(rb"\"?sep=.\"?", re.IGNORECASE)
 _MISSING = frozenset(
     ("", "na", "n/a", "nan", "-nan", "null", "none", "nan(ind)", "-nan(ind)", "1.#qnan", "-1.#ind")
 )
-_NO_COMMAS = "its numbers have decimal commas; export it with decimal points, or replace the commas by points"
+_NO_COMMAS = (
+    "its numbers have decimal commas, or marks between thousands; export it with decimal points and without "
+    "such marks"
+)
 _LEICA = (*AXES, "intensity", *COLORS[:3])
 _LARGEST_DOUBLE = 2**53
 _PTX_HEADER, _PTX_MATRIX = 10, slice(6, 10)
@@ -65,7 +82,8 @@ def read(path: Path) -> PointCloud:
     leica = path.suffix.lower() == ".pts" and len(columns) == len(_LEICA)
     first = _LEICA if leica else AXES
     names = table.names or [*first, *(f"column_{i + 1}" for i in range(len(first), len(columns)))]
-    return cloud_of(_named(names, columns), path.stem)
+    named = _named(names, columns)
+    return cloud_of(with_bytes(named) if leica else named, path.stem)
 
 
 def write(path: Path, cloud: PointCloud) -> None:
@@ -105,29 +123,45 @@ def _take_apart(path: Path) -> _Table:
     if content.startswith(_UTF_16):
         raise Damaged("its text is UTF-16; save it as UTF-8")
     lines = content.splitlines(keepends=True)
-    rows, comment, header, count_line, odd = list[int](), b"", b"", None, -1
+    rows, comments, header, count_line, odd = list[int](), list[bytes](), b"", None, -1
     for i, line in enumerate(lines):
         text = line.strip() if i else line.removeprefix(_BYTE_ORDER_MARK).strip()
         if text.startswith(_COMMENTS):
-            comment = comment if rows else text.lstrip(b"#/%")
-        elif _NUMBER.match(text):
+            comments += [] if rows else [text.lstrip(b"#/%")]
+        elif _begins_with_number(text):
             if rows or count_line is not None or len(re.split(rb"[\s,;]+", text)) > 1:
                 rows.append(i)
             else:
                 count_line = i
-        elif text and not rows and not header:
+        elif not text or (not i and _EXCEL_SEPARATOR.fullmatch(text)):
+            continue
+        elif not rows and not header:
             header = text
-        elif text:
+        else:
             odd = odd if odd >= 0 else i
             rows.append(i)
-    separator = _separator(lines[rows[0]]) if rows else " "
+    separator = _separator(lines[rows[0]], header or b"".join(comments[-1:])) if rows else " "
     if not rows or (odd >= 0 and (not header or separator == " ")):
         line = max(odd, 0)
         begin = f", line {line + 1} is {lines[line].strip()[:40]!r}, not numbers" if lines else ""
         raise Damaged(f"it has no rows of numbers{begin}" if odd < 0 else begin[2:])
     _check_count(lines, rows, count_line)
-    names = _names(header or comment, bool(header), _cells(lines[rows[0]], separator), separator)
+    row = _cells(lines[rows[0]], separator)
+    names = _names(header, row, separator) if header else _names_of_comments(comments, row, separator)
     return _Table(lines, rows, names, separator, count_line)
+
+
+def _begins_with_number(text: bytes) -> bool:
+    if _PLAIN_NUMBER.match(text):  # almost every line of a scan
+        return True
+    first = _FIRST_CELL.match(text)
+    if first is None:
+        return False
+    try:
+        float(first[1])
+    except ValueError:
+        return first[1].lower().decode("latin-1") in _MISSING
+    return True
 
 
 def _check_count(lines: list[bytes], rows: list[int], count_line: int | None) -> None:
@@ -141,24 +175,26 @@ def _check_count(lines: list[bytes], rows: list[int], count_line: int | None) ->
         raise Damaged(f"it promises {promised} points and holds {len(rows)}")
 
 
-def _separator(row: bytes) -> str:
-    """What stands between the columns: ";", a tab, "," or " ", which means white space and all of these.
+def _separator(row: bytes, header: bytes) -> str:
+    """What stands between the columns of a row, and of the names: ";", a tab, "," or " ", any white space.
 
     Raises
     ------
     Damaged
-        The numbers have decimal commas.
+        The numbers have commas in them, or the row is separated in two ways.
     """
-    marks = [mark for mark in (";", "\t", ",") if mark.encode() in row]
-    plain = re.sub(rb"\"[^\"]*\"", b"0", row)
-    for mark in marks:
-        cells = [cell.strip() for cell in plain.split(mark.encode())]
-        if len(cells) > 2 and not any(len(cell.split()) > 1 for cell in cells):
-            if mark != "," and b"," in plain:
+    plain, titles = (_QUOTED.sub(b"0", line).strip(b"\r\n") for line in (row, header))
+    for mark in (mark for mark in (b";", b"\t", b",") if mark in plain):
+        cells = [cell.strip() for cell in plain.split(mark)]
+        named = titles.count(mark) > 1 and abs(titles.count(mark) + 1 - len(cells)) < 2
+        if named or not any(len(cell.split()) > 1 for cell in cells):
+            if mark != b"," and _COMMA_IN_NUMBER.search(plain):
                 raise Damaged(_NO_COMMAS)
-            return mark
-    if _DECIMAL_COMMA.search(plain):
+            return mark.decode()
+    if _COMMA_IN_NUMBER.search(plain):
         raise Damaged(_NO_COMMAS)
+    if set(b",;") & set(plain):
+        raise Damaged(f"its row {row.strip()[:40]!r} is separated in two ways; separate all columns in one")
     return " "
 
 
@@ -166,42 +202,63 @@ def _cells(line: bytes, separator: str) -> list[str]:
     """The columns of a line, without their quotes."""
     text = decoded(line.removeprefix(_BYTE_ORDER_MARK)).strip("\r\n")
     if separator == " ":
-        text = re.sub(r"[\s,;]+", " ", text).strip()
+        text = " ".join(text.split())
     return [cell.strip() for cell in next(csv.reader([text], delimiter=separator, skipinitialspace=True), [])]
 
 
-def _names(header: bytes, bare: bool, row: list[str], separator: str) -> list[str]:
-    """The columns' names, or none; those of a comment count only where they are as many and name the axes."""
-    fitting, names = list[str](), list[str]()
-    for mark in dict.fromkeys((separator, ",", ";", "\t", " ")) if header else ():
-        names = _cells(header, mark)
-        if len(names) == len(row) + 1 and not names[-1]:
-            names = names[:-1]
-        if bare and len(names) == len(row) - 1 and "points" in find_roles(names):
-            names = (
-                [*names, ""] if not row[-1] else ["", *names]
-            )  # a separator behind the row, or its number before
-        if len(names) == len(row):
-            fitting = names
-            break
-    if bare and not fitting:
+def _names(header: bytes, row: list[str], separator: str) -> list[str]:
+    """The names of a line of names; a number before each row, or a separator behind it, needs none.
+
+    Raises
+    ------
+    Damaged
+        The names are not as many as the columns.
+    """
+    if names := _fitting(header, len(row), separator):
+        return names
+    names = _fitting(header, len(row) - 1, separator)
+    if "points" not in find_roles(names):
         raise Damaged(f"its line of names {header[:40]!r} does not fit its rows of {len(row)} columns")
-    return fitting if bare or "points" in find_roles(fitting) else []
+    return ["", *names] if row[-1] else [*names, ""]
+
+
+def _names_of_comments(comments: list[bytes], row: list[str], separator: str) -> list[str]:
+    """The names of the last comment, or of what follows its ":", that names the axes and as many columns.
+
+    A comment of as many cells between the rows' own marks is a line of names too, whatever they are.
+    """
+    for comment in reversed(comments):
+        for line in (comment, comment.partition(b":")[2]):
+            names = _fitting(line, len(row), separator)
+            if "points" in find_roles(names):
+                return names
+    titles = (_cells(comment, separator) for comment in reversed(comments) if separator != " ")
+    return next((names for names in titles if len(names) == len(row)), [])
+
+
+def _fitting(line: bytes, n_columns: int, separator: str) -> list[str]:
+    """The cells of a line if they are so many, not counting a separator at its end; else none."""
+    for mark in dict.fromkeys((separator, ",", ";", "\t", " ")):
+        names = _cells(line, mark)
+        if len(names) == n_columns + 1 and not names[-1]:
+            return names[:-1]
+        if len(names) == n_columns:
+            return names
+    return []
 
 
 def _named(names: list[str], columns: list[NDArray[Any]]) -> dict[str, NDArray[Any]]:
     """The columns by name; one without a name and values is none, a name that comes again is numbered."""
-    named: dict[str, NDArray[Any]] = {}
-    for i, (name, column) in enumerate(zip(names, columns, strict=True), start=1):
-        if name or column.dtype.kind != "f" or not np.isnan(column).all():
-            named[free_name(name or f"column_{i}", named)] = column
-    return named
+    numbered = [name or f"column_{i}" for i, name in enumerate(names, start=1)]
+    used = [
+        bool(name) or column.dtype.kind != "f" or not np.isnan(column).all()
+        for name, column in zip(names, columns, strict=True)
+    ]
+    return by_name(compress(numbered, used), compress(columns, used))
 
 
 def _columns(lines: list[bytes], separator: str) -> list[NDArray[Any]]:
     """Each column as numbers, or as words where it is not made of numbers; an empty cell is NaN."""
-    if separator == " ":
-        lines = [line.replace(b",", b" ").replace(b";", b" ") for line in lines]
     try:
         table = numbers(lines, separator=None if separator == " " else separator, quotechar='"')
     except Damaged:
@@ -218,7 +275,10 @@ def _columns(lines: list[bytes], separator: str) -> list[NDArray[Any]]:
 
 
 def _column(words: Sequence[str]) -> NDArray[Any]:
-    """Whole numbers that a double would round as integers, other numbers as doubles, else words."""
+    """Whole numbers that a double would round as integers, other numbers as doubles, else words.
+
+    Whole numbers that no integer of 64 bits holds are words, so that none is rounded.
+    """
     try:
         column = np.array(["nan" if w.lower() in _MISSING else w.replace("_", "?") for w in words]).astype(
             float
@@ -234,7 +294,8 @@ def _column(words: Sequence[str]) -> NDArray[Any]:
             for k in (np.int64, np.uint64)
             if np.iinfo(k).min <= min(whole) and max(whole) <= np.iinfo(k).max
         )
-        return np.array(whole, next(kinds, np.float64))
+        kind = next(kinds, None)
+        return np.array(words) if kind is None else np.array(whole, kind)
     return column
 
 
@@ -252,7 +313,7 @@ def _read_ptx(path: Path) -> PointCloud:
         [np.pad(s, ((0, 0), (0, width - s.shape[1])), constant_values=np.nan) for s in scans]
         or [np.empty((0, 3))]
     )
-    return cloud_of(dict(zip(_LEICA, table.T, strict=False)), path.stem)
+    return cloud_of(with_bytes(dict(zip(_LEICA, table.T, strict=False))), path.stem)
 
 
 def _scan(lines: list[bytes], start: int) -> NDArray[np.float64]:

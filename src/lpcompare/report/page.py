@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 import math
+import os
 from collections.abc import Mapping
 from importlib.resources import files
 from pathlib import Path
@@ -15,7 +16,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from lpcompare.benchmark.record import Run, load_run
-from lpcompare.errors import UnknownName
+from lpcompare.errors import InputError, UnknownName, printable
 from lpcompare.files import replace_text
 from lpcompare.report.cells import COSTS, ERROR, RUNTIME, cells, choose_reference, clean, columns
 from lpcompare.report.charts import collect_charts, collect_perturbations, palettes
@@ -50,14 +51,21 @@ def write_page(run_folder: str | Path, out: Path | None = None, *, reference: st
     Raises
     ------
     InputError
-        The run cannot be read, or the page not be written.
+        The run cannot be read, the page not be written, or its name does not end in .html.
     UnknownName
         The reference is not a method of the run.
     """
     run = load_run(run_folder)
-    out = out or run.folder / "report.html"
+    out = _page_file(out or run.folder / "report.html")
     remedy = f"make room, or name another file: lpcompare report {run.folder} --out FILE"
     replace_text(out, run_page(run, reference)[0], remedy)
+    return out
+
+
+def _page_file(out: Path) -> Path:
+    """The file of a page, if its name, and that of the file behind a link, is one: no scan and no run is replaced."""
+    if Path(os.path.realpath(out)).suffix.lower() not in (".html", ".htm"):
+        raise InputError(f"{out} is no name of a page; name a file that ends in .html.")
     return out
 
 
@@ -74,8 +82,14 @@ def write_view(cloud: PointCloud, out: Path) -> Path:
     -------
     Path
         The file written.
+
+    Raises
+    ------
+    InputError
+        The page cannot be written, or its name does not end in .html.
     """
-    title = cloud.name or "point cloud"
+    out = _page_file(out)
+    title = printable(cloud.name) or "point cloud"
     still = cloud_still(cloud.points)
     charts = {"cells": [], "methods": {}, "palettes": palettes(), "reference": ""}
     context = {"title": title, "kicker": "lpcompare · one cloud", "views": [one_cloud(cloud)], "page": charts}

@@ -35,11 +35,13 @@ def make_server(run: Run, reference: str = "", port: int = 0) -> ThreadingHTTPSe
     Raises
     ------
     InputError
-        The port is taken.
+        The port is taken, or is none.
     """
     text, views = run_page(run, reference, served=True)
     try:
         return ThreadingHTTPServer((HOST, port), partial(_Answers, text.encode(), views))
+    except OverflowError as error:
+        raise InputError(f"port is {port}; give an integer from 0 to 65535.") from error
     except OSError as error:
         reason = error.strerror or error
         raise InputError(

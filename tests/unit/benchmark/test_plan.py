@@ -185,3 +185,9 @@ def test_all_processors_are_shared_by_the_jobs():
     assert plan.threads == max(1, alone.threads // 2)
     assert plan.memory_limit_mib <= alone.memory_limit_mib
     assert np.isclose(alone.memory_limit_mib, 2 * plan.memory_limit_mib, rtol=0.01)
+
+
+def test_a_study_in_another_encoding_is_refused_without_the_words_of_a_library(tmp_path):
+    (tmp_path / "a.toml").write_text('title = "Brücke"\n', encoding="utf-16")
+    with pytest.raises(InputError, match="it is no text in UTF-8"):
+        read_study(str(tmp_path / "a.toml"))

@@ -67,6 +67,44 @@ def test_headers_of_other_tools(name, encoding, tmp_path):
     assert read(tmp_path / f"b{file}").points.tolist() == [TRIANGLE[0], TRIANGLE[2]]
 
 
+TWICE = {
+    "a.ply": PLY.replace("end_header", "property float {}\nproperty float {}\nend_header")
+    + "1 2 3 4 5\n" * 3,
+    "a.pcd": PCD.replace("x y z", "x y z {} {}")
+    .replace("4 4 4", "4 4 4 4 4")
+    .replace("F F F", "F F F F F")
+    .replace("1 1 1", "1 1 1 1 1")
+    + "1 2 3 4 5\n" * 3,
+    "a.csv": "x,y,z,{},{}\n1,2,3,4,5\n",
+}
+
+
+@pytest.mark.parametrize("name", TWICE)
+def test_a_name_that_comes_twice_is_numbered_unless_it_is_a_coordinates(name, tmp_path):
+    (tmp_path / name).write_text(TWICE[name].format("a", "a"))
+    found = read(tmp_path / name).attributes
+    assert (found["a"][0], found["a_2"][0]) == (4, 5)
+    (tmp_path / name).write_text(TWICE[name].format("a", "y"))
+    with pytest.raises(InputError, match="more than one column 'y'"):
+        read(tmp_path / name)
+
+
+def test_two_elements_of_one_name_are_refused(tmp_path):
+    (tmp_path / "a.ply").write_text(
+        PLY.replace("end_header", "element vertex 1\nproperty float a\nend_header")
+    )
+    with pytest.raises(InputError, match="more than one element 'vertex'"):
+        read(tmp_path / "a.ply")
+
+
+@pytest.mark.parametrize("name", ["a.ply", "a.off", "a.pcd", "a.pts"])
+def test_text_with_more_rows_than_it_says_is_refused(name, tmp_path):
+    head = {".ply": PLY, ".off": "OFF\n3 0 0\n", ".pcd": PCD, ".pts": "3\n"}[name[1:]]
+    (tmp_path / name).write_text(head + ROWS + "9 9 9\n")
+    with pytest.raises(InputError, match="holds 4"):
+        read(tmp_path / name)
+
+
 def test_rows_of_a_ply_of_text_stay_the_files_own(tmp_path):
     rows = ["512345.678 4123456.789 10.1\n", "512346.678   4123457.789 10.20\n", "1 2 3\n"]
     (tmp_path / "a.ply").write_text(PLY + "".join(rows))
@@ -150,6 +188,51 @@ def test_colours_of_any_scale_are_understood_over_the_whole_file(name, tmp_path)
     table = PlyData.read(str(tmp_path / "out.ply"))["vertex"]
     assert {p.name: p.val_dtype for p in table.properties}["red"] == "u1"
     assert table["green"].tolist() == [0, 20, 128]
+
+
+@pytest.mark.parametrize("kind", ["u1", "f8"])
+@pytest.mark.parametrize("width", [3, 4])
+def test_colours_of_an_npz_are_understood_on_any_scale(kind, width, tmp_path):
+    bytes_ = np.array([[255, 0, 0, 255], [10, 20, 30, 255], [128, 128, 128, 255]], kind)[:, :width]
+    np.savez(tmp_path / "a.npz", points=np.eye(3), colors=bytes_)
+    assert np.allclose(read(tmp_path / "a.npz").colors, COLORS, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("suffix", [".ply", ".npz", ".csv", ".las"])
+def test_colours_outside_0_to_1_are_cut_off_and_said(suffix, tmp_path):
+    cloud = PointCloud(np.eye(3), colors=np.array([[255.0, 0, 0, 1], [-1, 0, 0, 1], [0.2, 0, 0, 1]]))
+    assert "colors outside 0 to 1 are cut off" in write(tmp_path / f"a{suffix}", cloud)
+    assert np.allclose(read(tmp_path / f"a{suffix}").colors[:, 0], [1, 0, 0.2])
+
+
+@pytest.mark.parametrize(("corner", "kind"), [(0.5, "f8"), ("0", "U1"), (2**63, "u8")])
+def test_faces_of_an_npz_that_are_no_rows_are_refused(corner, kind, tmp_path):
+    np.savez(tmp_path / "a.npz", points=np.eye(3), faces=np.array([[corner, 1, 2]], kind))
+    with pytest.raises(InputError, match="are no numbers of points"):
+        read(tmp_path / "a.npz")
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("a.off", "COFF\n2 0 0\n0 0 0 1 0 0 1\n1 0 0 0 1 1 0\n"),
+        ("a.pts", "2\n0 0 0 -1 1 0 0\n1 0 0 -1 0 1 1\n"),
+        (
+            "a.ptx",
+            "2\n1\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n0 1 0 .5 1 0 0\n1 0 0 .5 0 1 1\n",
+        ),
+    ],
+)
+def test_a_dark_cloud_is_not_taken_for_fractions(name, text, tmp_path):
+    (tmp_path / name).write_text(text)
+    alpha = [[1 / 255], [0]] if name == "a.off" else [[1], [1]]
+    colors = np.array([[1, 0, 0], [0, 1, 1]]) / 255
+    assert np.array_equal(read(tmp_path / name).colors, np.column_stack([colors, alpha]))
+
+
+def test_fractions_of_an_off_stay_fractions(tmp_path):
+    (tmp_path / "a.off").write_text("COFF\n2 0 0\n0 0 0 1. 0 0 1\n1 0 0 0 1 1 0.5\n")
+    assert read(tmp_path / "a.off").colors.tolist() == [[1, 0, 0, 1], [0, 1, 1, 0.5]]
 
 
 def test_colours_a_little_over_one_are_fractions(tmp_path):

@@ -175,6 +175,34 @@ def test_las_keeps_dimensions_scale_offset_and_reference_system(suffix, rng, tmp
     assert np.allclose(after.header.mins, after.xyz.min(axis=0))
 
 
+@pytest.mark.parametrize("kind", [9, 10])
+def test_wave_packets_of_several_channels_are_not_compressed(kind, rng, tmp_path):
+    """lazrs would write other values: docs/upstream.md."""
+    las = laspy.LasData(laspy.LasHeader(version="1.4", point_format=kind))
+    las.x, las.y, las.z = rng.normal(size=(3, N))
+    las.wavepacket_size = rng.integers(0, 999, N)
+    las.scanner_channel = np.arange(N) % 2
+    las.write(str(tmp_path / "a.las"))
+    with pytest.raises(InputError, match=r"name a file that ends in \.las"):
+        keep_rows(tmp_path / "a.las", tmp_path / "b.laz", ROWS)
+    assert not (tmp_path / "b.laz").exists()
+    for suffix, rows in ((".las", ROWS), (".laz", np.arange(0, N, 2))):
+        keep_rows(tmp_path / "a.las", tmp_path / f"c{suffix}", rows)
+        assert np.array_equal(laspy.read(tmp_path / f"c{suffix}").wavepacket_size, las.wavepacket_size[rows])
+
+
+def test_a_dimension_of_a_las_called_as_a_coordinate_is_refused(tmp_path):
+    header = laspy.LasHeader(version="1.4", point_format=6)
+    header.add_extra_dim(laspy.ExtraBytesParams(name="qqqq", type="f4"))
+    las = laspy.LasData(header)
+    las.x, las.y, las.z = np.eye(3)
+    las.write(str(tmp_path / "a.las"))
+    content = (tmp_path / "a.las").read_bytes()
+    (tmp_path / "a.las").write_bytes(content.replace(b"qqqq", b"x\0\0\0"))
+    with pytest.raises(InputError, match="more than one column 'x'"):
+        read(tmp_path / "a.las")
+
+
 PCD_HEAD = b"""# .PCD v0.7
 # scanner 7
 VERSION 0.7

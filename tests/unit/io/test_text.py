@@ -40,6 +40,29 @@ DIALECTS = {
     "a separator behind each row": ("a.csv", "x,y,z\n1.5,2.5,3.5,\n", {}),
     "commas and spaces": ("a.xyz", "1.5, 2.5, 3.5\n", {}),
     "Matlab": ("a.txt", "% x y z\n1.5 2.5 3.5\n", {}),
+    "CloudCompare, names then another comment": (
+        "a.asc",
+        "//Intensity X Y Z\n//made by hand\n0.5 1.5 2.5 3.5\n",
+        {"Intensity": [0.5]},
+    ),
+    "RiSCAN": (
+        "a.asc",
+        "# Reflectance[dB] X[m] Y[m] Z[m]\n# end\n-3 1.5 2.5 3.5\n",
+        {"Reflectance[dB]": [-3.0]},
+    ),
+    "names behind a word": ("a.txt", "# columns: z i y x\n3.5 4 2.5 1.5\n", {"i": [4.0]}),
+    "a comment of fewer names": ("a.txt", "# x y z\n1.5 2.5 3.5 4\n", {"column_4": [4.0]}),
+    "a name that begins as a number": ("a.csv", "Infrared,x,y,z\n4,1.5,2.5,3.5\n", {"Infrared": [4.0]}),
+    "a name that begins with a digit": ("a.csv", "2theta;x;y;z\n4;1.5;2.5;3.5\n", {"2theta": [4.0]}),
+    "Excel, its line of the separator": ("a.csv", "sep=;\r\nx;y;z\r\n1.5;2.5;3.5\r\n", {}),
+    "dates": (
+        "a.csv",
+        "time,x,y,z\n2024-01-01 12:00:00,1.5,2.5,3.5\n",
+        {"time": ["2024-01-01 12:00:00"]},
+    ),
+    "dates, tabs": ("a.txt", "x\ty\tz\ttime\n1.5\t2.5\t3.5\t1.2.24 12:00\n", {"time": ["1.2.24 12:00"]}),
+    "words with commas": ("a.csv", "x;y;z;note\n1.5;2.5;3.5;tree, old\n", {"note": ["tree, old"]}),
+    "numbers that no integer holds": ("a.csv", f"x,y,z,id\n1.5,2.5,3.5,{2**64}\n", {"id": [str(2**64)]}),
     "large numbers": ("a.csv", f"x,y,z,id\n1.5,2.5,3.5,{2**53 + 1}\n", {"id": [2**53 + 1]}),
 }
 
@@ -91,10 +114,21 @@ def test_our_own_text_gives_normals_and_colours_back(suffix, tmp_path):
 @pytest.mark.parametrize(
     ("name", "text", "reason"),
     [
-        ("a.csv", "x;y;z\n1,5;2,5;3,5\n", "decimal commas; export it with decimal points"),
+        ("a.csv", "x;y;z\n1,5;2,5;3,5\n", "decimal commas, or marks between thousands; export it"),
         ("a.csv", "x;y;z\n1;2;3\n1,5;2;3\n", "decimal commas"),
         ("a.csv", '"x","y","z"\n"1,5","2,5","3,5"\n', "decimal commas"),
         ("a.txt", "1,5\t2,5\t3,5\n", "decimal commas"),
+        ("a.txt", "1 2 3,5\n4 5 6,5\n", "decimal commas"),
+        ("a.txt", "# x y z a\n1 2 3,5\n4 5 6,5\n", "decimal commas"),
+        ("a.txt", "1,234.5 2,345.5 7.0\n", "marks between thousands"),
+        ("a.csv", "1 234.5;2 345.5;7.0\n", "is separated in two ways"),
+        ("a.csv", "x;y;z\n1 234.5;2 345.5;7.0\n", "'x' is not made of numbers"),
+        (
+            "a.csv",
+            "# t (ns), X1 (m), Y1 (m), Z1 (m)\n9, 1, 2, 3\n",
+            "none of its columns are named x, y and z",
+        ),
+        ("a.csv", "x,x,y,z\n9,1,2,3\n", "more than one column 'x'"),
         ("a.csv", "a,b,c\n1,2,3\n", "none of its columns are named x, y and z, only 'a', 'b', 'c'"),
         ("a.csv", "x,y,h\n1,2,3\n", "none of its columns are named x, y and z"),
         ("a.csv", "X,x,y,Z\n1,2,3,4\n", "none of its columns are named x, y and z"),
