@@ -9,16 +9,22 @@ from typing import Annotated
 
 import typer
 
-_KINDS = ("methods", "models", "metrics")
+from lpcompare.cli._complete import KINDS, things
+
 _NARROWEST = 80
 
 
 def command(
     what: Annotated[
-        str, typer.Argument(metavar="[KIND | NAME]", help="methods, models, metrics, or one of their names.")
+        str,
+        typer.Argument(
+            metavar="[KIND | NAME]",
+            help="methods, models, metrics, or one of their names.",
+            autocompletion=things,
+        ),
     ] = "",
 ) -> None:
-    """List methods, models and metrics, or explain one of them.
+    """List methods, models, metrics; explain one.
 
     Example: lpcompare list lp_uniform
     """
@@ -28,7 +34,7 @@ def command(
     if what and what not in tables:
         typer.echo(_explain(what))
         return
-    for kind in [what] if what else _KINDS:
+    for kind in [what] if what else KINDS:
         if not what:
             typer.echo(f"{kind}:")
         typer.echo(_lines(tables[kind]()))
@@ -85,7 +91,7 @@ def _explain(name: str) -> str:
     if name in model_names():
         return model_summary(name)
     raise UnknownName(
-        "method, metric, model or kind of list", name, [*_KINDS, *METHODS, *METRICS, *model_names()]
+        "method, metric, model or kind of list", name, [*KINDS, *METHODS, *METRICS, *model_names()]
     )
 
 

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from lpcompare.cli import _complete
 from lpcompare.cli._large import Large, simplify_large
 
 if TYPE_CHECKING:
@@ -63,10 +64,17 @@ def command(
         typer.Option(help="Largest plane error, % of the diagonal; keeps as few as allowed."),
     ] = None,
     tolerance: Annotated[float | None, typer.Option(help="The same in the file's unit of length.")] = None,
-    statistic: Annotated[str, typer.Option(help="What the two bound: mean, p95 or max.")] = "mean",
-    method: Annotated[str, typer.Option(help="See lpcompare list methods.")] = "lp_uniform",
+    statistic: Annotated[
+        str, typer.Option(help="What the two bound: mean, p95 or max.", autocompletion=_complete.statistics)
+    ] = "mean",
+    method: Annotated[
+        str, typer.Option(help="See lpcompare list methods.", autocompletion=_complete.methods)
+    ] = "lp_uniform",
     assignments: Annotated[
-        list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help="A setting of the method.")
+        list[str] | None,
+        typer.Option(
+            "--set", metavar="NAME=VALUE", help="A setting of the method.", autocompletion=_complete.settings
+        ),
     ] = None,
     refine: Annotated[bool, typer.Option("--refine", help="Swap points afterwards for less error.")] = False,
     rank: Annotated[
@@ -111,7 +119,7 @@ def command(
     force: Annotated[bool, typer.Option("--force", help="Allow OUT to be an input.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress and no report.")] = False,
 ) -> None:
-    """Thin point clouds, keeping every attribute of their formats.
+    """Thin point clouds and keep their attributes.
 
     Example: lpcompare simplify scan.laz thin.laz --reduction 0.9
     """
