@@ -63,6 +63,7 @@ function start() {
     redraw();
   });
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", redraw);
+  if (byId("table")) byId("table").innerHTML = byId("every-column").textContent;
   readFields();
   startTable();
   byId("save-picture")?.addEventListener("click", savePicture);

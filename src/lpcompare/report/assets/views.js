@@ -27,7 +27,7 @@ function shownEntries() {
 function colourings() {
   const entries = [view.model, ...results()];
   const found = view.model.results ? { error: { title: "plane error", unit: "% of diagonal", kind: "scalar", low: 0 } } : {};
-  if (view.model.colors) found.rgb = { title: "its own colours", kind: "rgb" };
+  if (view.model.colors) found.rgb = { title: "its own colors", kind: "rgb" };
   found.shape = { title: "shape", kind: "plain" };
   found.height = { title: "height", unit: "model units", kind: "scalar" };
   if (view.model.results) found.marks = { title: "kept and removed", kind: "category" };
