@@ -65,5 +65,7 @@ def main() -> None:
 
 
 def _quit(sentence: str) -> None:
-    sys.stderr.write(f"lpcompare: {sentence}\n")
+    from lpcompare.cli._say import say
+
+    say(f"lpcompare: {sentence}", err=True)
     sys.exit(EXIT_BAD_INPUT)

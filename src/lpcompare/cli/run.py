@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from lpcompare.cli import _complete
+from lpcompare.cli._say import say
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -129,9 +130,9 @@ def command(
     }
     machine = {"memory_limit_mib": memory_limit, "threads": threads, "jobs": jobs}
     plan = _plan(study, flags, assignments or [], machine)
-    models = load_models(plan.models, strict=strict, tell=lambda sentence: typer.echo(sentence, err=True))
+    models = load_models(plan.models, strict=strict, tell=lambda sentence: say(sentence, err=True))
     if dry_run:
-        typer.echo(_description(plan, models))
+        say(_description(plan, models))
         return
     name = Path(study).stem or "-".join(cloud.name for cloud in models.values())
     done = _run(plan, models, out or _default_folder(name), resume=resume, quiet=quiet)
@@ -174,18 +175,18 @@ def _run(plan: Plan, models: Mapping[str, PointCloud], folder: Path, *, resume: 
     from lpcompare.report.tables import format_run
 
     for note in METHODS.notes:
-        typer.echo(note, err=True)
+        say(note, err=True)
     try:
         with _progress(plan, models) if shows_progress(quiet) else nullcontext(silent) as listener:
             run = run_plan(plan, models, folder, resume=resume, listener=listener)
     except KeyboardInterrupt:
-        typer.echo(f"\nStopped. Continue with the same command and --resume --out {folder}", err=True)
+        say(f"\nStopped. Continue with the same command and --resume --out {folder}", err=True)
         raise typer.Exit(EXIT_STOPPED) from None
     if run.n_damaged:
         lost = _count(run.n_damaged, "damaged record")
-        typer.echo(f"{lost} of the earlier start could not be read; the cases were run again.", err=True)
-    typer.echo(format_run(run))
-    typer.echo(f"\nThe run is in {folder}; look at it in {run.report()}.")
+        say(f"{lost} of the earlier start could not be read; the cases were run again.", err=True)
+    say(format_run(run))
+    say(f"\nThe run is in {folder}; look at it in {run.report()}.")
     return run
 
 
@@ -194,7 +195,7 @@ def _progress(plan: Plan, models: Mapping[str, PointCloud]) -> RunProgress:
     from lpcompare.cli._progress import RunProgress
 
     estimate = _estimate(plan, models)
-    typer.echo(_size(plan, estimate), err=True)
+    say(_size(plan, estimate), err=True)
     return RunProgress(list(plan.cases()), estimate)
 
 

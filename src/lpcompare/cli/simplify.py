@@ -17,6 +17,7 @@ import typer
 
 from lpcompare.cli import _complete
 from lpcompare.cli._large import Large, simplify_large
+from lpcompare.cli._say import say
 
 if TYPE_CHECKING:
     import numpy as np
@@ -146,25 +147,26 @@ def command(
     together = large.wanted(paths[:-1], paths[-1])
     pairs = [] if together else _pairs(paths, force=force)
     failed = False
-    with _stages(hidden=quiet) as callback:
-        if together:
+    if together:
+        with _stages(hidden=quiet) as callback:
             report = _in_tiles(paths[:-1], paths[-1], order, large, callback)
-            if not quiet:
-                typer.echo(report)
-        for source, target in pairs:
-            try:
+        if not quiet:
+            say(report)
+    for source, target in pairs:
+        try:
+            with _stages(hidden=quiet) as callback:
                 if isinstance(target, Path) and large.needed(source, method):
                     report = _in_tiles([str(source)], str(target), order, large, callback)
                 else:
                     report = _simplify_file(source, target, order, callback)
-            except LpcompareError as error:
-                if len(pairs) == 1:
-                    raise
-                sys.stderr.write(f"lpcompare: {error}\n")
-                failed = True
-                continue
-            if not quiet:
-                typer.echo(report, err=target == STANDARD_OUTPUT)
+        except LpcompareError as error:
+            if len(pairs) == 1:
+                raise
+            say(f"lpcompare: {error}", err=True)
+            failed = True
+            continue
+        if not quiet:
+            say(report, err=target == STANDARD_OUTPUT)
     if failed:
         raise typer.Exit(2)
 
