@@ -8,12 +8,12 @@ function isDark() {
   return wish ? wish === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
 }
 
-// The colour that a CSS variable stands for now, as a list of numbers or as text.
+// The colour that a CSS variable stands for now: as a list of numbers, asked once for light and once for dark, or as text.
+const tones = new Map();
 function rgbOf(name) {
-  const context = element("canvas", { width: 1, height: 1 }).getContext("2d");
-  context.fillStyle = themeColour(name);
-  context.fillRect(0, 0, 1, 1);
-  return [...context.getImageData(0, 0, 1, 1).data.slice(0, 3)];
+  const key = name + isDark();
+  if (!tones.has(key)) tones.set(key, themeColour(name).match(/[\d.]+/g).slice(0, 3).map(Number));
+  return tones.get(key);
 }
 
 function themeColour(name) {
