@@ -187,14 +187,14 @@ function moving() {
 function drawAll() {
   const began = performance.now(), still = view.most === Infinity, ground = rgbOf("--panel"), drawn = panels().filter((panel) => panel.entries && (view.full === null || panel.classList.contains("full")));
   for (const panel of drawn) drawPanel(panel, ground, still ? 1 : view.coarse);
-  requestAnimationFrame(() => keepPace(performance.now() - began, still));
+  requestAnimationFrame(() => keepPace(performance.now() - began));
   byId("view-grid").dataset.drawn = drawn.length;
 }
 
 // While views move they have fewer points and pixels if a frame takes too long: until the next one, as the graphics work on after our calls.
-function keepPace(took, still) {
+function keepPace(took) {
   if (took > 100) view.coarse = 0.6;
-  if (!still) view.most = view.pace = Math.max(20_000, Math.min(4_000_000, view.most * (took > 70 ? 0.6 : took < 30 ? 1.3 : 1)));
+  if (view.most < Infinity) view.most = view.pace = Math.max(20_000, Math.min(4_000_000, view.most * (took > 70 ? 0.6 : took < 30 ? 1.3 : 1)));
 }
 
 function drawPanel(panel, ground, share) {
