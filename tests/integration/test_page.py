@@ -120,11 +120,11 @@ def test_page_opens_without_a_complaint_or_a_request(visit, path):
     assert visit.quiet(path), (visit.complaints, visit.requests)
 
 
-def test_the_charts_are_unpacked_only_when_they_come_into_sight(browser, path):
+def test_the_charts_come_after_the_views_and_do_not_wait_to_be_seen(browser, path):
     visit = Visit(browser, path, viewport={"width": 1280, "height": 300}).drawn(3)
     assert visit.page.evaluate("typeof Plotly") == "undefined"
-    visit.page.locator("#charts").scroll_into_view_if_needed()
-    visit.page.wait_for_selector("#charts[data-drawn]")
+    visit.page.wait_for_selector("#charts[data-drawn]", state="attached")
+    assert visit.page.evaluate("scrollY") == 0
     visit.context.close()
 
 

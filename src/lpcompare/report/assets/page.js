@@ -10,8 +10,7 @@ function isDark() {
 
 // The colour that a CSS variable stands for now: as a list of numbers, asked once for light and once for dark, or as text.
 const tones = new Map();
-function rgbOf(name) {
-  const key = name + isDark();
+function rgbOf(name, key = name + isDark()) {
   if (!tones.has(key)) tones.set(key, themeColour(name).match(/[\d.]+/g).slice(0, 3).map(Number));
   return tones.get(key);
 }
@@ -57,7 +56,6 @@ function watchPrint() {
 }
 
 function start() {
-  document.documentElement.classList.add("scripted");
   byId("theme").addEventListener("click", () => {
     document.documentElement.style.colorScheme = isDark() ? "light" : "dark";
     redraw();

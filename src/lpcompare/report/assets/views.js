@@ -191,7 +191,7 @@ function drawAll() {
   byId("view-grid").dataset.drawn = drawn.length;
 }
 
-// While views move they have fewer points and pixels if a frame takes too long: until the next one, as the graphics work on after our calls.
+// Views that move have fewer points and pixels where a frame takes long, up to the next: graphics work on after our calls.
 function keepPace(took) {
   if (took > 100) view.coarse = 0.6;
   if (view.most < Infinity) view.most = view.pace = Math.max(20_000, Math.min(4_000_000, view.most * (took > 70 ? 0.6 : took < 30 ? 1.3 : 1)));
