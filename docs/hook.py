@@ -38,7 +38,7 @@ def on_files(files: Any, config: Any) -> Any:
 
 def notebook_page(path: Path) -> str:
     """A notebook as Markdown: texts, code, and what the code said and drew."""
-    lines = [f"[This page as a notebook]({path.name})", ""]
+    lines = [f"[This page as a notebook]({path.name}), for `jupyter lab` (`pip install jupyterlab`).", ""]
     for cell in json.loads(path.read_text(encoding="utf-8"))["cells"]:
         text = "".join(cell["source"])
         lines += [text, ""] if cell["cell_type"] == "markdown" else ["```python", text, "```", ""]
