@@ -176,7 +176,7 @@ def format_comparison(first: Run, second: Run, width: int = NARROW) -> str:
     ]
     changed = [f"  {k}: {a} -> {b}" for k, (a, b) in differing_environment(first, second).items()]
     lines = [f"{first.folder} -> {second.folder}", *align([head, *rows], (0, 3, 5), width)]
-    lines += textwrap.wrap(_legend(first, second), width)
+    lines += ["", *textwrap.wrap(_legend(first, second), width)]
     if changed:
         lines += ["What else is different:", *(plain(line)[:width] for line in changed)]
     return "\n".join(lines)
