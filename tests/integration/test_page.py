@@ -82,6 +82,7 @@ RESET = """async () => {
   Object.assign(view, { colour: "error", keptOnly: false, reduction: 0.9, layout: "side" });
   Object.assign(view, { ends: null, picked: null, full: null });
   document.documentElement.classList.remove("filled");
+  byId("views").scrollIntoView();
   view.methods = ["random_sample", "first_rows"];
   Object.assign(camera, { yaw: 0.35, pitch: 0.25 });
   chooseModel(0);
