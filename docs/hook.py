@@ -38,7 +38,7 @@ def on_files(files: Any, config: Any) -> Any:
 
 def notebook_page(path: Path) -> str:
     """A notebook as Markdown: texts, code, and what the code said and drew."""
-    lines = [f"[This page as a notebook]({path.name})", ""]
+    lines = [f"[This page as a notebook]({path.name}), for `jupyter lab` (`pip install jupyterlab`).", ""]
     for cell in json.loads(path.read_text(encoding="utf-8"))["cells"]:
         text = "".join(cell["source"])
         lines += [text, ""] if cell["cell_type"] == "markdown" else ["```python", text, "```", ""]
@@ -56,11 +56,10 @@ def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
     if "<!-- live report -->" in markdown and LIVE:
         link = "[Open the bunny's page](live/report.html): turn, zoom, sort."
         markdown = markdown.replace("<!-- live report -->", link)
-    if page.file.abs_src_path is None:
-        return markdown
     if page.parent is None:
         page.meta["hide"] = ["navigation"]
-    folder = Path(page.file.abs_src_path).relative_to(ROOT).parent
+    source = page.file.abs_src_path or ROOT / "docs" / page.file.src_uri
+    folder = Path(source).relative_to(ROOT).parent
 
     def moved(link: re.Match[str]) -> str:
         target = os.path.normpath(folder / link[1]).removeprefix("docs/")

@@ -40,15 +40,20 @@ class NotApplicable(InputError):  # noqa: N818 - it is a refusal with a reason, 
     """A method declines this input for a stated reason, such as a missing mesh."""
 
 
+_MANY = 15
+"""Names that are all listed in a message, even where one is nearly the one given."""
+
+
 class UnknownName(LpcompareError, LookupError):  # noqa: N818 - the tree of the design
     """A name that is not registered."""
 
     def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
         known = sorted(known)
-        near = get_close_matches(name, known, n=1)
-        hint = f" Did you mean {near[0]!r}?" if near else ""
-        there_is = f"Known: {', '.join(known)}" if known else "There is none"
-        super().__init__(f"Unknown {kind} {name!r}.{hint} {there_is}.")
+        near = get_close_matches(name, known, n=3)
+        hint = f" Did you mean {' or '.join(map(repr, near))}?" if near else ""
+        there_is = f" Known: {', '.join(known)}." if known else " There is none."
+        listed = "" if near and len(known) > _MANY else there_is
+        super().__init__(f"Unknown {kind} {name!r}.{hint}{listed}")
 
 
 class Unavailable(LpcompareError, ImportError):  # noqa: N818 - the tree of the design

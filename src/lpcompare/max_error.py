@@ -15,7 +15,7 @@ from lpcompare.types import Points, Simplification, Vector
 
 _NEIGHBORS = 8
 _PRECISION = 200
-_STATISTICS: dict[str, Callable[[Vector], float]] = {
+STATISTICS: dict[str, Callable[[Vector], float]] = {
     "mean": lambda errors: float(errors.mean()),
     "p95": lambda errors: float(np.quantile(errors, 0.95)),
     "max": lambda errors: float(errors.max()),
@@ -56,7 +56,7 @@ def simplify_within(
     InputError
         The bound is negative, or no count keeps it.
     """
-    measure = _STATISTICS[check_choice("statistic", statistic, _STATISTICS)]
+    measure = STATISTICS[check_choice("statistic", statistic, STATISTICS)]
     if max_error is None:
         bound = check_number("tolerance", tolerance, 0.0)
     else:

@@ -6,7 +6,7 @@ import re
 import subprocess
 import sys
 import tempfile
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import laspy
@@ -370,3 +370,27 @@ def test_an_interrupted_reader_of_the_output_is_no_traceback(cloud, tmp_path):
     child.wait()
     child.stderr.close()
     assert "Traceback" not in err
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="it needs a pseudo-terminal")
+def test_on_a_terminal_the_report_stands_alone_in_lines_that_fit(cloud, tmp_path):
+    import pty
+
+    write(tmp_path / "scan.ply", cloud)
+    parent, child = pty.openpty()
+    words = ["simplify", tmp_path / "scan.ply", tmp_path / "thin.ply", *QUICK]
+    command = [sys.executable, "-m", "lpcompare.cli", *map(str, words)]
+    environment = os.environ | {"COLUMNS": "80", "TERM": "xterm"}
+    with subprocess.Popen(command, stdout=child, stderr=child, env=environment) as process:
+        os.close(child)
+        written = b""
+        with suppress(OSError):  # Linux says so when the other side is closed
+            while part := os.read(parent, 65536):
+                written += part
+    os.close(parent)
+    assert process.returncode == 0
+    end_of_bar = rb"\x1b[\x5b]\?25h\s*\x1b[\x5b]1A\x1b[\x5b]2K"
+    report = re.split(end_of_bar, written)[-1].decode().splitlines()
+    assert report[0].startswith("scan.ply: 400 -> 40 points by random_sample")
+    assert len(report) > 1
+    assert max(map(len, report)) <= 80

@@ -15,12 +15,18 @@ from lpcompare.cli._say import complain, say
 from lpcompare.errors import LpcompareError
 
 EXIT_BAD_INPUT = 2
+EXAMPLES = """Begin with: lpcompare run --model bunny
+
+Thin a file: lpcompare simplify scan.laz thin.laz --reduction 0.9
+
+All about one command: lpcompare COMMAND --help"""
 
 
 def build_app() -> typer.Typer:
     """The application with a sub-command for every file of this folder."""
     app = typer.Typer(
         help="Thin point clouds by boolean linear programming, and compare methods at equal counts.",
+        epilog=EXAMPLES,
         no_args_is_help=True,
         rich_markup_mode=None,
         pretty_exceptions_enable=False,
@@ -53,7 +59,7 @@ def main() -> None:
     if isinstance(sys.stdout, TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")  # as standard error does, in any encoding
     try:
-        build_app()()
+        build_app()(prog_name="lpcompare")
     except LpcompareError as error:
         _quit(str(error))
     except BrokenPipeError:

@@ -13,10 +13,18 @@ from lpcompare.cli._say import say
 
 def command(
     runs: Annotated[
-        list[Path], typer.Argument(help="Folders of runs; the first is what the others are compared with.")
+        list[Path],
+        typer.Argument(
+            metavar="RUN", help="Folders of runs; the first is what the others are compared with."
+        ),
     ],
 ) -> None:
-    """Compare runs of the same inputs; of one run, its methods."""
+    """Compare runs of the same inputs, or the methods of one.
+
+    The first run is what the others are compared with. An interval says what chance alone may do.
+
+    Example: lpcompare compare reports/local/before reports/local/after
+    """
     from lpcompare.benchmark.record import load_run
     from lpcompare.report.comparison import format_comparison, format_methods
     from lpcompare.report.tables import NARROW

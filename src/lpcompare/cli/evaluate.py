@@ -33,7 +33,9 @@ def command(
     ] = None,
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress.")] = False,
 ) -> None:
-    """Measure plane error, distances and normals between clouds of any size.
+    """Measure what a thinned cloud has lost.
+
+    Plane error, distances and normals, for clouds of any size.
 
     Example: lpcompare evaluate scan.laz thin.laz
     """

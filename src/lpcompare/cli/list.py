@@ -1,25 +1,26 @@
-"""``lpcompare list``: what there is, one line each, or all about one thing; imports no rival for a list."""
+"""``lpcompare list``: what there is, one line each in a pipe, or all about one thing; imports no rival for a list."""
 
 from __future__ import annotations
 
-import shutil
-import textwrap
 from typing import Annotated
 
 import typer
 
+from lpcompare.cli._complete import KINDS, things
 from lpcompare.cli._say import complain, say
-
-_KINDS = ("methods", "models", "metrics")
-_NARROWEST = 80
 
 
 def command(
     what: Annotated[
-        str, typer.Argument(metavar="[KIND | NAME]", help="methods, models, metrics, or one of their names.")
+        str,
+        typer.Argument(
+            metavar="[KIND | NAME]",
+            help="methods, models, metrics, or one of their names.",
+            autocompletion=things,
+        ),
     ] = "",
 ) -> None:
-    """List methods, models and metrics, or explain one of them.
+    """List methods, models, metrics; explain one.
 
     Example: lpcompare list lp_uniform
     """
@@ -29,7 +30,7 @@ def command(
     if what and what not in tables:
         say(_explain(what))
         return
-    for kind in [what] if what else _KINDS:
+    for kind in [what] if what else KINDS:
         if not what:
             say(f"{kind}:")
         say(_lines(tables[kind]()))
@@ -37,16 +38,9 @@ def command(
         complain(note)
 
 
-def _width() -> int:
-    return max(shutil.get_terminal_size((100, 24)).columns, _NARROWEST)
-
-
 def _lines(entries: dict[str, str]) -> str:
     indent = max(map(len, entries), default=0) + 2
-    return "\n".join(
-        f"{name:<{indent}}{textwrap.shorten(text, _width() - indent, placeholder='...')}"
-        for name, text in entries.items()
-    )
+    return "\n".join(f"{name:<{indent}}{text}" for name, text in entries.items())
 
 
 def _methods() -> dict[str, str]:
@@ -82,12 +76,18 @@ def _explain(name: str) -> str:
     if name in METHODS:
         return _explain_method(name)
     if name in METRICS:
-        return METRICS.documentation(name)
+        return _prose(METRICS.documentation(name))
     if name in model_names():
         return model_summary(name)
     raise UnknownName(
-        "method, metric, model or kind of list", name, [*_KINDS, *METHODS, *METRICS, *model_names()]
+        "method, metric, model or kind of list", name, [*KINDS, *METHODS, *METRICS, *model_names()]
     )
+
+
+def _prose(text: str) -> str:
+    """A docstring with each paragraph in one line; what is indented stays as it is."""
+    paragraphs = text.split("\n\n")
+    return "\n\n".join(p if "\n " in p or p.startswith(" ") else p.replace("\n", " ") for p in paragraphs)
 
 
 def _explain_method(name: str) -> str:
@@ -106,12 +106,8 @@ def _explain_method(name: str) -> str:
         "comes from": METHODS.origin(name),
         "missing": missing,
     }
-    lines = [METHODS.documentation(name), ""]
-    lines += [
-        textwrap.fill(f"{key + ':':<12}{value}", _width(), subsequent_indent=" " * 12)
-        for key, value in facts.items()
-        if value
-    ]
+    lines = [_prose(METHODS.documentation(name)), ""]
+    lines += [f"{key + ':':<12}{value}" for key, value in facts.items() if value]
     if not missing:
         settings = METHODS.settings(name)
         lines += ["settings:"] + [f"  {key} = {value!r}" for key, value in settings.items()]

@@ -7,17 +7,21 @@ from typing import Annotated
 
 import typer
 
+from lpcompare.cli import _complete
 from lpcompare.cli._say import say
 
 
 def command(
-    run: Annotated[Path, typer.Argument(help="Folder of a run, or its run.json.", show_default=False)],
+    run: Annotated[Path, typer.Argument(metavar="RUN", help="Folder of a run, or its run.json.")],
     *,
     out: Annotated[
         Path | None, typer.Option(help="The page. Default: report.html in the run's folder.")
     ] = None,
     reference: Annotated[
-        str, typer.Option(help="Method that ratios are taken to. Default: poisson_disk.")
+        str,
+        typer.Option(
+            help="Method that ratios are taken to. Default: poisson_disk.", autocompletion=_complete.methods
+        ),
     ] = "",
     figures: Annotated[
         bool, typer.Option("--figures", help="Charts and clouds as SVG, PDF and PNG.")
@@ -30,7 +34,12 @@ def command(
     csv: Annotated[bool, typer.Option("--csv", help="One row per model, method and reduction.")] = False,
     meshlab: Annotated[bool, typer.Option("--meshlab", help="A MeshLab project, quality = error.")] = False,
 ) -> None:
-    """Draw a finished run again, from its folder; nothing is computed anew."""
+    """Draw a finished run again, as files.
+
+    Nothing is computed anew: the folder of the run has all of it.
+
+    Example: lpcompare report reports/local/bunny --csv --figures
+    """
     from lpcompare.benchmark.record import load_run
     from lpcompare.report.page import write_page
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from lpcompare.cli import _complete
 from lpcompare.cli._say import say
 
 if TYPE_CHECKING:
@@ -28,12 +29,21 @@ Many = list[str] | None
 def command(
     *,
     model: Annotated[
-        Many, typer.Option("--model", metavar="NAME", help="A name, or a file. May be repeated.")
+        Many,
+        typer.Option(
+            "--model",
+            metavar="NAME",
+            help="A name, or a file. May be repeated.",
+            autocompletion=_complete.models,
+        ),
     ] = None,
     method: Annotated[
         Many,
         typer.Option(
-            "--method", metavar="NAME", help="May be repeated; 'all': every one installed. Default: 17."
+            "--method",
+            metavar="NAME",
+            help="May be repeated; 'all': every one installed. Default: 17.",
+            autocompletion=_complete.methods_or_all,
         ),
     ] = None,
     reduction: Annotated[
@@ -45,19 +55,35 @@ def command(
         list[int] | None, typer.Option("--seed", metavar="N", help="May be repeated. Default: 0.")
     ] = None,
     assignments: Annotated[
-        Many, typer.Option("--set", metavar="METHOD.NAME=VALUE", help="A setting of a method.")
+        Many,
+        typer.Option(
+            "--set",
+            metavar="METHOD.NAME=VALUE",
+            help="A setting of a method.",
+            autocompletion=_complete.method_settings,
+        ),
     ] = None,
     metric: Annotated[
-        Many, typer.Option("--metric", metavar="NAME", help="A slow metric beside the quick ones, or 'all'.")
+        Many,
+        typer.Option(
+            "--metric",
+            metavar="NAME",
+            help="A slow metric beside the quick ones, or 'all'.",
+            autocompletion=_complete.slow_metrics,
+        ),
     ] = None,
     study: Annotated[
         str,
         typer.Option(
             metavar="FILE|PRESET",
+            autocompletion=_complete.studies,
             help="A TOML file, or: smoke, default, paper, robustness, clusters, scaling, methods.",
         ),
     ] = "",
-    protocol: Annotated[str | None, typer.Option(help="equal-count (default) or as-printed.")] = None,
+    protocol: Annotated[
+        str | None,
+        typer.Option(help="equal-count (default) or as-printed.", autocompletion=_complete.protocols),
+    ] = None,
     refine: Annotated[
         bool | None, typer.Option("--refine", help="Refine every result that is a subset.")
     ] = None,
@@ -79,9 +105,13 @@ def command(
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Print the plan and stop.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress.")] = False,
 ) -> None:
-    """Run methods side by side and print their errors and runtimes.
+    """Compare methods: errors, runtimes, a page.
+
+    Every method thins every model to the same numbers of points.
 
     The exit code is 0 when every case is ok, 1 when one is not, 2 when none could be run, 130 after Ctrl-C.
+
+    Example: lpcompare run --model scan.ply --method lp_uniform --method poisson_disk --reduction 0.9
     """
     from lpcompare.benchmark.runner import load_models
     from lpcompare.errors import InputError

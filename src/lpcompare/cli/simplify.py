@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from lpcompare.cli import _complete
 from lpcompare.cli._large import Large, simplify_large
 from lpcompare.cli._say import complain, say
 
@@ -64,10 +65,17 @@ def command(
         typer.Option(help="Largest plane error, % of the diagonal; keeps as few as allowed."),
     ] = None,
     tolerance: Annotated[float | None, typer.Option(help="The same in the file's unit of length.")] = None,
-    statistic: Annotated[str, typer.Option(help="What the two bound: mean, p95 or max.")] = "mean",
-    method: Annotated[str, typer.Option(help="See lpcompare list methods.")] = "lp_uniform",
+    statistic: Annotated[
+        str, typer.Option(help="What the two bound: mean, p95 or max.", autocompletion=_complete.statistics)
+    ] = "mean",
+    method: Annotated[
+        str, typer.Option(help="See lpcompare list methods.", autocompletion=_complete.methods)
+    ] = "lp_uniform",
     assignments: Annotated[
-        list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help="A setting of the method.")
+        list[str] | None,
+        typer.Option(
+            "--set", metavar="NAME=VALUE", help="A setting of the method.", autocompletion=_complete.settings
+        ),
     ] = None,
     refine: Annotated[bool, typer.Option("--refine", help="Swap points afterwards for less error.")] = False,
     rank: Annotated[
@@ -112,7 +120,7 @@ def command(
     force: Annotated[bool, typer.Option("--force", help="Allow OUT to be an input.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress and no report.")] = False,
 ) -> None:
-    """Thin point clouds, keeping every attribute of their formats.
+    """Thin point clouds and keep their attributes.
 
     Example: lpcompare simplify scan.laz thin.laz --reduction 0.9
     """
@@ -140,25 +148,26 @@ def command(
     together = large.wanted(paths[:-1], paths[-1])
     pairs = [] if together else _pairs(paths, force=force)
     failed = False
-    with _stages(hidden=quiet) as callback:
-        if together:
+    if together:
+        with _stages(hidden=quiet) as callback:
             report = _in_tiles(paths[:-1], paths[-1], order, large, callback)
-            if not quiet:
-                say(report)
-        for source, target in pairs:
-            try:
+        if not quiet:
+            say(report)
+    for source, target in pairs:
+        try:
+            with _stages(hidden=quiet) as callback:
                 if isinstance(target, Path) and large.needed(source, method):
                     report = _in_tiles([str(source)], str(target), order, large, callback)
                 else:
                     report = _simplify_file(source, target, order, callback)
-            except LpcompareError as error:
-                if len(pairs) == 1:
-                    raise
-                complain(str(error))
-                failed = True
-                continue
-            if not quiet:
-                say(report, err=target == STANDARD_OUTPUT)
+        except LpcompareError as error:
+            if len(pairs) == 1:
+                raise
+            complain(str(error))
+            failed = True
+            continue
+        if not quiet:
+            say(report, err=target == STANDARD_OUTPUT)
     if failed:
         raise typer.Exit(2)
 

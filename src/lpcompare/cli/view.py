@@ -11,6 +11,7 @@ from typing import Annotated
 
 import typer
 
+from lpcompare.cli import _complete
 from lpcompare.cli._say import say
 
 RUN_FILE = "run.json"
@@ -18,7 +19,12 @@ RUN_FILE = "run.json"
 
 def command(
     target: Annotated[
-        str, typer.Argument(metavar="FILE|RUN", help="A file, a model's name, or a run's folder.")
+        str,
+        typer.Argument(
+            metavar="FILE|RUN",
+            help="A file, a model's name, or a run's folder.",
+            autocompletion=_complete.models,
+        ),
     ],
     *,
     out: Annotated[
@@ -30,7 +36,9 @@ def command(
     ] = False,
     port: Annotated[int, typer.Option(help="Port of --serve. Default: any that is free.")] = 0,
 ) -> None:
-    """Show a point cloud or a run in the browser, or say where its page is.
+    """Show a point cloud or a run in the browser.
+
+    Without a screen it says where the page is.
 
     Examples: lpcompare view scan.laz | lpcompare view reports/local/bunny --serve
     """

@@ -176,7 +176,7 @@ def format_comparison(first: Run, second: Run, width: int = NARROW) -> str:
     ]
     changed = [f"  {k}: {a} -> {b}" for k, (a, b) in differing_environment(first, second).items()]
     lines = [f"{first.folder} -> {second.folder}", *align([head, *rows], (0, 3, 5), width)]
-    lines += textwrap.wrap(_legend(first, second), width)
+    lines += ["", *textwrap.wrap(_legend(first, second), width)]
     if changed:
         lines += ["What else is different:", *(plain(line)[:width] for line in changed)]
     return "\n".join(lines)
@@ -198,7 +198,7 @@ def format_methods(run: Run, width: int = NARROW) -> str:
         "intervals are so wide that all calls together hold at 5 % (paired t on logarithms, Holm); n.s.: not "
         "significant. "
     )
-    return "\n".join([*align([head, *rows], (0, 2, 4), width), *textwrap.wrap(text + _ranks(run), width)])
+    return "\n".join([*align([head, *rows], (0, 2, 4), width), "", *textwrap.wrap(text + _ranks(run), width)])
 
 
 def _pairs(first: pd.DataFrame, second: pd.DataFrame) -> pd.DataFrame:
@@ -237,10 +237,17 @@ def _verdicts(table: pd.DataFrame, name: str, more: str, less: str) -> pd.Series
 
 def _ratio(row: Any, name: str, form: str = ".2f") -> str:
     """A ratio with its interval; "-" where it is not known."""
-    middle, low, high = (f"{math.exp(row[f'{name}{end}']):{form}}" for end in ("", "_low", "_high"))
+    middle, low, high = (math.exp(row[f"{name}{end}"]) for end in ("", "_low", "_high"))
     if row[f"{name}_n"] < 2:
-        return middle if row[f"{name}_n"] else "-"
-    return f"{middle} ({low}..{high})"
+        return f"{middle:{form}}" if row[f"{name}_n"] else "-"
+    return f"{middle:{form}} ({_bounded(low, form)}..{_bounded(high, form)})"
+
+
+def _bounded(ratio: float, form: str) -> str:
+    """The end of an interval in few characters; beyond a hundredfold its digits say nothing."""
+    if 1 / 100 <= ratio <= 100:
+        return f"{ratio:{form}}"
+    return "<0.01" if ratio < 1 else ">100"
 
 
 def _change(row: Any) -> str:

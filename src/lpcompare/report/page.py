@@ -28,7 +28,7 @@ from lpcompare.report.tables import number, percent, quantity
 from lpcompare.types import Column, PointCloud
 
 MAIN_COLUMNS = ("n_output", ERROR, "plane_error_max_pct", "hausdorff_pct", RUNTIME, "peak_memory_mib")
-"""Columns of the table that show at first; the others are one click away."""
+"""Columns of the table that show at first, and without scripts; the others are one click away."""
 
 
 def write_page(run_folder: str | Path, out: Path | None = None, *, reference: str = "") -> Path:
@@ -134,7 +134,7 @@ def _context(run: Run, table: pd.DataFrame, views: Views, reference: str) -> dic
         ),
         "headings": known,
         "measures": [key for key, column in known.items() if key not in COSTS and not column.alias],
-        "main_columns": [key for key in MAIN_COLUMNS if key in known],
+        "main": {key: column for key, column in known.items() if key in MAIN_COLUMNS},
         "models": list(table.input.unique()),
         "reductions": sorted(table.reduction.unique()),
         "several_repeats": bool(table.n_repeats.gt(1).any()),
@@ -158,7 +158,7 @@ def _still(run: Run, table: pd.DataFrame, reference: str) -> dict[str, str]:
         shown = shown[shown.label.isin(default_methods(shown, reference))]
         names = ", ".join(f"{c.label} (plane error {number(c[ERROR])} %)" for _, c in shown.iterrows())
         removed = percent(float(shown.reduction.iloc[0]))
-        text = f"{model} with {removed} of its points removed, coloured by the error: the original, {names}"
+        text = f"{model} with {removed} of its points removed, colored by the error: the original, {names}"
         return {"still": results_still(run, model, shown), "still_text": text}
     return {"still": "", "still_text": ""}
 

@@ -246,13 +246,10 @@ function startCharts() {
   startLegend();
   const height = 130 + 20 * Object.keys(page.methods).length + 8 * page.stages.length;
   for (const tall of document.querySelectorAll(".chart.tall")) tall.style.height = `${Math.max(300, height)}px`;
-  for (const select of document.querySelectorAll("#charts select, #perturbations select")) {
-    select.addEventListener("change", () => { drawCharts(); keepState(); });
-  }
-  const watcher = new IntersectionObserver((seen) => {
-    if (!seen.some((entry) => entry.isIntersecting)) return;
-    watcher.disconnect();
-    drawCharts();
-  }, { rootMargin: "400px" });
+  for (const select of document.querySelectorAll("#charts select, #perturbations select")) select.addEventListener("change", () => { drawCharts(); keepState(); });
+  // When they come into sight, or after a while: paper cannot wait for them.
+  const begin = () => { watcher.disconnect(); clearTimeout(later); drawCharts(); };
+  const watcher = new IntersectionObserver((seen) => seen.some((entry) => entry.isIntersecting) && begin(), { rootMargin: "400px" });
+  const later = setTimeout(begin, 4000);
   watcher.observe(byId("charts"));
 }

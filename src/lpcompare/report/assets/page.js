@@ -8,12 +8,11 @@ function isDark() {
   return wish ? wish === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
 }
 
-// The colour that a CSS variable stands for now, as a list of numbers or as text.
-function rgbOf(name) {
-  const context = element("canvas", { width: 1, height: 1 }).getContext("2d");
-  context.fillStyle = themeColour(name);
-  context.fillRect(0, 0, 1, 1);
-  return [...context.getImageData(0, 0, 1, 1).data.slice(0, 3)];
+// The colour that a CSS variable stands for now: as a list of numbers, asked once for light and once for dark, or as text.
+const tones = new Map();
+function rgbOf(name, key = name + isDark()) {
+  if (!tones.has(key)) tones.set(key, themeColour(name).match(/[\d.]+/g).slice(0, 3).map(Number));
+  return tones.get(key);
 }
 
 function themeColour(name) {
@@ -57,12 +56,12 @@ function watchPrint() {
 }
 
 function start() {
-  document.documentElement.classList.add("scripted");
   byId("theme").addEventListener("click", () => {
     document.documentElement.style.colorScheme = isDark() ? "light" : "dark";
     redraw();
   });
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", redraw);
+  if (byId("table")) byId("table").innerHTML = byId("every-column").textContent;
   readFields();
   startTable();
   byId("save-picture")?.addEventListener("click", savePicture);

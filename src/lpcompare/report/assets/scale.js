@@ -89,7 +89,7 @@ function paintScale() {
   const share = (value) => `${(100 * (value - low)) / (high - low)}%`;
   const colours = page.palettes[view.colour === "curvature" ? "cividis" : "viridis"].filter((_, i) => i % 15 === 0).map((c) => `rgb(${c})`);
   byId("scale-bar").style.background = `linear-gradient(90deg, ${colours.map((c, i) => `${c} calc(${share(first)} + (${share(last)} - ${share(first)}) * ${i / (colours.length - 1)})`).join(", ")})`;
-  byId("scale-text").textContent = `${colouring.title}${colouring.unit ? ` [${colouring.unit}]` : ""}: colours from ${short(first)} to ${short(last)}`;
+  byId("scale-text").textContent = `${colouring.title}${colouring.unit ? ` [${colouring.unit}]` : ""}: colors from ${short(first)} to ${short(last)}`;
 }
 
 // Square roots of the counts, so that a few far points are seen.
