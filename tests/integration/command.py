@@ -33,6 +33,9 @@ def main(environment, *words):
     tempfile.tempdir = None
     sys.path[:0] = [p for p in os.environ.get("PYTHONPATH", "").split(os.pathsep) if p]
     sys.argv = ["lpcompare", *words]
+    # those from before the fork believe that they are the file that was there
+    sys.stdout = open(1, "w", encoding=sys.stdout.encoding, closefd=False)  # noqa: SIM115
+    sys.stderr = open(2, "w", encoding=sys.stderr.encoding, errors="backslashreplace", closefd=False)  # noqa: SIM115
     code = 0
     try:
         cli.main()
