@@ -45,10 +45,8 @@ def steps(models: Path) -> dict[str, list[Words]]:
     suites = [f"tests/benchmarks/test_{name}.py" for name in ("stages", "methods", "metrics")]
     measure = [*python, "-m", "pytest", "-q"]
     scans = [f"{models}/upstream/stanford-bunny.obj", f"{models}/scans/max-planck-45045.ply"]
-    shapes = ("stanford-bunny", "fandisk", "igea", "beast", "nefertiti", "ogre", scans[1])
-    some = ("stanford-bunny", "fandisk", *(f"{models}/scans/{scan}.ply" for scan in SCANS))
-    damaged = [word for shape in some for word in ("--model", shape)]
-    every = [word for shape in shapes for word in ("--model", shape)]
+    some = ("fandisk", "stanford-bunny", *(f"{models}/scans/{scan}.ply" for scan in SCANS))
+    shapes = [word for shape in some for word in ("--model", shape)]
     return {
         "bunny": run("bunny", "--model", "bunny"),
         "uniform": [
@@ -63,7 +61,7 @@ def steps(models: Path) -> dict[str, list[Words]]:
                 *("--out", "reports/paper"),
             ]
         ],
-        "methods": run("methods", "--study", "reports/methods/study.toml", *every),
+        "methods": run("methods", "--study", "reports/methods/study.toml", *shapes),
         "benchmarks": [
             [*measure, *suites, "--benchmark-json=reports/benchmarks/baseline.json"],
             [
@@ -72,7 +70,7 @@ def steps(models: Path) -> dict[str, list[Words]]:
                 "--benchmark-json=reports/benchmarks/filter.json",
             ],
         ],
-        "robustness": run("robustness", "--study", "reports/robustness/study.toml", *damaged),
+        "robustness": run("robustness", "--study", "reports/robustness/study.toml", *shapes),
         "pictures": [[*python, "reports/pictures/draw.py", "reports/local/bunny"]],
         "texts": [[*python, "docs/make.py"]],
     }

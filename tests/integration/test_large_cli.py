@@ -66,6 +66,9 @@ def test_a_url_is_fetched_once(scan, tmp_path):
         result = simplify(url, tmp_path / "thin.npy", "--count", 400, "--method", "random_sample")
         missing = simplify(url + "x.npy", tmp_path / "none.npy", "--count", 4, "--method", "random_sample")
         server.shutdown()
+    gone = simplify(url, tmp_path / "gone.npy", "--count", 4, "--method", "random_sample")
+    assert "cannot be fetched" in str(gone.exception)
+    assert "room" not in str(gone.exception)
     assert result.exit_code == 0
     assert len(np.load(tmp_path / "thin.npy")) == 400
     assert sum("GET /scan.npy HTTP" in str(words) for words in requests) == 1

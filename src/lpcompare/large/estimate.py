@@ -7,6 +7,7 @@ import shutil
 from dataclasses import dataclass
 from pathlib import Path
 
+from lpcompare.checks import check_integer
 from lpcompare.errors import InputError
 
 _BYTES_IN_MEMORY = {"lp_uniform": 1000, "lp_density": 500, "lp_printed": 500}
@@ -50,15 +51,17 @@ def in_memory_bytes(method: str, n_points: int) -> int:
     return _FIXED + n_points * _BYTES_IN_MEMORY.get(method, _OTHER_BYTES_IN_MEMORY)
 
 
-def estimate(method: str, n_points: int, memory: int, n_workers: int, n_tiles: int | None) -> Estimate:
+def estimate(
+    method: str, n_points: int, memory: int | None, n_workers: int, n_tiles: int | None
+) -> Estimate:
     """Tiles, memory and disk.
 
     Parameters
     ----------
     method : str
     n_points : int
-    memory : int
-        Bytes that all processes may use together.
+    memory : int, optional
+        Bytes that all processes may use together; by default half of what is free.
     n_workers : int
     n_tiles : int, optional
         By default as few as the memory allows, with at most a million points each.
@@ -66,8 +69,10 @@ def estimate(method: str, n_points: int, memory: int, n_workers: int, n_tiles: i
     Raises
     ------
     InputError
-        The memory is too small for any tile.
+        The memory or the number of tiles is no positive integer, or the memory is too small for any tile.
     """
+    memory = free_memory() // 2 if memory is None else check_integer("memory", memory, 1)
+    n_tiles = None if n_tiles is None else check_integer("n_tiles", n_tiles, 1)
     each = int(_HALO * _BYTES_IN_MEMORY.get(method, _OTHER_BYTES_IN_MEMORY))
     room = memory // n_workers - _FIXED
     if n_tiles is None:

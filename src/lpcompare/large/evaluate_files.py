@@ -19,7 +19,7 @@ from lpcompare.errors import InputError
 from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.geometry.planes import fit_planes, plane_distances
 from lpcompare.geometry.scale import bounding_box_center
-from lpcompare.large.estimate import check_disk, estimate, free_memory
+from lpcompare.large.estimate import check_disk, estimate
 from lpcompare.large.fetch import local_files
 from lpcompare.large.job import Job
 from lpcompare.large.simplify_files import some_client, spill_folder, spilling_folder
@@ -86,7 +86,7 @@ def evaluate_files(
         ]
         n_points = sum(job.n_points for job in jobs)
         n_workers = len(client.nthreads()) if client is not None else workers
-        needs = estimate("evaluate", n_points, memory or free_memory() // 2, max(1, n_workers), n_tiles)
+        needs = estimate("evaluate", n_points, memory, max(1, n_workers), n_tiles)
         check_disk(folder, needs.disk_mib)
         whole, few = (replace(job, n_tiles=needs.n_tiles) for job in jobs)
         with some_client(client, workers) as some:

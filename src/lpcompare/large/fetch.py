@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import glob
 from collections.abc import Iterable
 from pathlib import Path
@@ -9,6 +10,9 @@ from urllib.parse import unquote, urlsplit
 
 from lpcompare.errors import InputError, Unavailable
 from lpcompare.files import CONTINUE, whole_file
+
+_FULL = {errno.ENOSPC, errno.EDQUOT, errno.EACCES, errno.EROFS}
+"""What is wrong with the folder of the copies, not with the URL."""
 
 
 def local_files(inputs: str | Path | Iterable[str | Path], folder: Path) -> list[Path]:
@@ -58,7 +62,12 @@ def _fetched(url: str, folder: Path) -> Path:
     try:
         with whole_file(target, CONTINUE) as part:
             files, place = fsspec.url_to_fs(url)
-            files.get_file(place, str(part))
-    except (FileNotFoundError, ValueError, ImportError) as error:
+            try:
+                files.get_file(place, str(part))
+            except OSError as error:
+                if error.errno in _FULL:
+                    raise
+                raise ValueError(str(error) or type(error).__name__) from error
+    except (ValueError, ImportError) as error:
         raise InputError(f"{url} cannot be fetched ({error or type(error).__name__}).") from error
     return target

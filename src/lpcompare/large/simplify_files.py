@@ -19,7 +19,7 @@ from lpcompare.errors import InputError, SolverError
 from lpcompare.files import replace_text
 from lpcompare.io import check_target as check_output
 from lpcompare.io import same_format
-from lpcompare.large.estimate import check_disk, estimate, free_memory, used_mib
+from lpcompare.large.estimate import check_disk, estimate, used_mib
 from lpcompare.large.fetch import local_files
 from lpcompare.large.job import Job
 from lpcompare.large.output import write_kept
@@ -147,7 +147,7 @@ def simplify_files(
         counts = [count_points(path) for path in files]
         count = check_target(sum(counts), target_reduction, target_count)
         _check_output(files, output)
-        needs = estimate(method, sum(counts), memory or free_memory() // 2, max(1, n_workers), n_tiles)
+        needs = estimate(method, sum(counts), memory, max(1, n_workers), n_tiles)
         check_disk(folder, needs.disk_mib)
         job = Job(
             folder=folder,

@@ -236,3 +236,11 @@ def test_a_folder_that_is_no_spill_folder_is_left_alone(files, tmp_path):
 def test_jobs_are_frozen(tmp_path):
     with pytest.raises(dataclasses.FrozenInstanceError):
         job.Job(tmp_path, (), 1, "random_sample").seed = 3
+
+
+@pytest.mark.parametrize("name", ["n_tiles", "memory"])
+@pytest.mark.parametrize("value", [0, -1, 2.5])
+def test_numbers_that_count_nothing_are_refused(files, tmp_path, name, value):
+    with pytest.raises(InputError, match=name):
+        thin(files[".npy"], tmp_path / "thin.npy", **{name: value})
+    assert not (tmp_path / "thin.npy").exists()
