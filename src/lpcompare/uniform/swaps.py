@@ -152,7 +152,7 @@ def _swap_once(
     state: Neighborhoods, limit: float, band: DensityBand, n_swaps: int, movable: Mask | None
 ) -> bool:
     """Try one round and take back what did not pay; whether anything was tried."""
-    price = _DENSITY_PRICE * float(state.errors.mean()) * len(state.errors) / len(state.kept)
+    price = _DENSITY_PRICE * float(state.errors.mean()) * len(state.errors) / len(state.kept) or 1.0
     band.start(state.kept, price)
     dropped, added = _candidates(state, limit, band.pull(), n_swaps, movable)
     if not len(added) or not len(dropped):
