@@ -44,14 +44,19 @@ def check_points(values: object, where: str = "points") -> Points:
             f"{where} has {len(bad)} of {len(cloud)} rows with NaN, infinity or a masked value, the first is "
             f"row {bad[0]}; remove them, or say drop_invalid=True."
         )
-    if np.abs(cloud).max() > _LARGEST:
-        raise InputError(
-            f"{where} has coordinates beyond {_LARGEST:g}, whose squares overflow; rescale them."
-        )
+    check_magnitude(float(np.abs(cloud).max()), where)
     extent = float(np.ptp(cloud, axis=0).max())
     if 0 < extent < _SMALLEST:
         raise InputError(f"{where} spreads over {extent:g} only, whose squares underflow; rescale it.")
     return cloud
+
+
+def check_magnitude(largest: float, where: str) -> None:
+    """Refuse a cloud whose largest absolute coordinate cannot be squared."""
+    if largest > _LARGEST:
+        raise InputError(
+            f"{where} has coordinates beyond {_LARGEST:g}, whose squares overflow; rescale them."
+        )
 
 
 def valid_rows(points: Points) -> Mask:

@@ -51,9 +51,7 @@ def in_memory_bytes(method: str, n_points: int) -> int:
     return _FIXED + n_points * _BYTES_IN_MEMORY.get(method, _OTHER_BYTES_IN_MEMORY)
 
 
-def estimate(
-    method: str, n_points: int, memory: int | None, n_workers: int, n_tiles: int | None
-) -> Estimate:
+def estimate(method: str, n_points: int, memory: int | None, n_workers: int, n_tiles: int | None) -> Estimate:
     """Tiles, memory and disk.
 
     Parameters

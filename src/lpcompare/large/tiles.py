@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from lpcompare.checks import valid_rows
+from lpcompare.checks import check_magnitude, valid_rows
 from lpcompare.errors import InputError
 from lpcompare.geometry.scale import normalize
 from lpcompare.large.colors import coloring, earlier
@@ -49,6 +49,14 @@ def whole(job: Job, cuts: NDArray[np.float64] | None) -> None:
     """Count, box, centre, scale and sample of the whole cloud, and the cut into tiles, from the surveys."""
     parts = [job.load("survey", block.number) for block in job.blocks]
     n_points = sum(int(part["count"]) for part in parts)
+    low, high = (
+        np.min([part["low"] for part in parts], axis=0),
+        np.max([part["high"] for part in parts], axis=0),
+    )
+    first = job.inputs[0][0].name
+    if not n_points:
+        raise InputError(f"{first} has no point with three finite coordinates; give at least one.")
+    check_magnitude(float(np.abs([low, high]).max()), first)
     if job.target_count > n_points:
         raise InputError(
             f"target_count is {job.target_count}; "
@@ -60,8 +68,8 @@ def whole(job: Job, cuts: NDArray[np.float64] | None) -> None:
     job.save(
         "whole",
         count=n_points,
-        low=np.min([part["low"] for part in parts], axis=0),
-        high=np.max([part["high"] for part in parts], axis=0),
+        low=low,
+        high=high,
         center=center,
         scale=scale,
         cuts=cut(sample, job.n_tiles) if cuts is None else cuts,

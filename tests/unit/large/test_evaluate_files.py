@@ -35,3 +35,13 @@ def test_a_cloud_without_extent_has_no_diagonal(tmp_path):
     np.save(tmp_path / "one.npy", np.ones((20, 3)))
     with pytest.raises(InputError, match="no extent"):
         lpcompare.evaluate_files(tmp_path / "one.npy", tmp_path / "one.npy")
+
+
+@pytest.mark.parametrize(("value", "says"), [(np.nan, "no point"), (1e200, "overflow")])
+def test_coordinates_that_cannot_be_measured_are_refused(tmp_path, value, says):
+    original, reduced = np.full((50, 3), value), np.random.default_rng(0).random((5, 3))
+    original[:, 0] *= np.arange(50)
+    np.save(tmp_path / "original.npy", original)
+    np.save(tmp_path / "reduced.npy", reduced)
+    with pytest.raises(InputError, match=says):
+        lpcompare.evaluate_files(tmp_path / "original.npy", tmp_path / "reduced.npy")
