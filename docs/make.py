@@ -78,7 +78,8 @@ def choice() -> Iterator[str]:
     """What to use for which goal, from reports/methods: the best method of each kind."""
     run = load_run(REPORTS / "methods")
     table = cells(run.frame)
-    table = table[table.method.isin([m for m in METHODS if not METHODS.traits(m).extra])]
+    plain = [m for m in METHODS if not (METHODS.traits(m).extra or METHODS.traits(m).install)]
+    table = table[table.method.isin(plain)]
     goals = {key: goal for key, goal in GOALS.items() if key in table}
     means, _ = mean_ratios(table, REFERENCE, list(goals))
     rows = [[goal, *(_best(means[key], *kind) for kind in KINDS.values())] for key, goal in goals.items()]
@@ -86,7 +87,7 @@ def choice() -> Iterator[str]:
     cases = table.groupby(["input", "reduction"]).ngroups
     yield ""
     yield f"In brackets: the measure as a multiple of `{REFERENCE}`'s, geometric mean over {cases} cases"
-    yield f"({table.input.nunique()} shapes, {_percents(table.reduction)} removed); below 1 is better. Only methods of"
+    yield f"({table.input.nunique()} clouds, {_percents(table.reduction)} removed); below 1 is better. Only methods of"
     yield f"a plain installation take part. From [reports/methods](../reports/methods/README.md), made {_day(run)}."
 
 
