@@ -1,4 +1,4 @@
-"""Draw the pictures of the README from a run.
+"""Draw the picture of the README from a run; docs/gallery.py makes those of its page.
 
 ::
 
@@ -20,13 +20,11 @@ from lpcompare.benchmark.record import load_run
 from lpcompare.io.arrays import load_arrays
 from lpcompare.report.cells import ERROR, cells
 from lpcompare.report.clouds3d import error_scale, kept_results, percent_errors
-from lpcompare.report.page import write_page
 from lpcompare.report.projections import draw_cloud
 from lpcompare.report.tables import number
 
 METHODS = ("lp_printed", "poisson_disk", "lp_uniform")
 FOLDER = Path(__file__).parent
-CHROMIUM = "/usr/bin/chromium"
 
 
 def draw_bunny(run_folder: Path, out: Path) -> None:
@@ -66,22 +64,5 @@ def _save_small(figure: Figure, out: Path) -> None:
     Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB").quantize(256).save(out, optimize=True)
 
 
-def shoot_page(run_folder: Path, out: Path) -> None:
-    """The page of the run in Chromium."""
-    from playwright.sync_api import sync_playwright
-
-    page = write_page(run_folder).resolve()
-    with sync_playwright() as running:
-        flags = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"]
-        browser = running.chromium.launch(executable_path=CHROMIUM, args=flags)
-        tab = browser.new_page(viewport={"width": 1240, "height": 1200})
-        tab.goto(page.as_uri())
-        tab.wait_for_selector("#view-grid[data-drawn]", timeout=120_000)
-        tab.wait_for_timeout(2000)
-        tab.screenshot(path=out)
-        browser.close()
-
-
 if __name__ == "__main__":
     draw_bunny(Path(sys.argv[1]), FOLDER / "bunny.png")
-    shoot_page(Path(sys.argv[1]), FOLDER.parents[1] / "docs" / "images" / "report.png")
