@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
 import typer
 
@@ -14,19 +14,19 @@ def methods(incomplete: str) -> Offers:
     """Every method."""
     from lpcompare.registry import METHODS
 
-    return [(name, METHODS.summary(name)) for name in METHODS if name.startswith(incomplete)]
+    return _fitting(METHODS, incomplete, METHODS.summary)
 
 
 def methods_or_all(incomplete: str) -> Offers:
     """Every method, and the word for all of them."""
-    return _fitting(["all"], incomplete, "every method that is installed") + methods(incomplete)
+    return _fitting(["all"], incomplete, lambda _: "every method that is installed") + methods(incomplete)
 
 
 def metrics(incomplete: str) -> Offers:
     """Every metric."""
     from lpcompare.registry import METRICS
 
-    return [(name, METRICS.summary(name)) for name in METRICS if name.startswith(incomplete)]
+    return _fitting(METRICS, incomplete, METRICS.summary)
 
 
 def slow_metrics(incomplete: str) -> Offers:
@@ -34,19 +34,19 @@ def slow_metrics(incomplete: str) -> Offers:
     from lpcompare.registry import METRICS
 
     slow = [offer for offer in metrics(incomplete) if offer[0] not in METRICS.quick]
-    return _fitting(["all"], incomplete, "every metric") + slow
+    return _fitting(["all"], incomplete, lambda _: "every metric") + slow
 
 
 def models(incomplete: str) -> Offers:
     """Every model of the catalogue."""
     from lpcompare.models import model_names, model_summary
 
-    return [(name, model_summary(name)) for name in model_names() if name.startswith(incomplete)]
+    return _fitting(model_names(), incomplete, model_summary)
 
 
 def things(incomplete: str) -> Offers:
     """What `lpcompare list` can explain."""
-    kinds = _fitting(KINDS, incomplete, "list them")
+    kinds = _fitting(KINDS, incomplete, lambda _: "list them")
     return kinds + methods(incomplete) + models(incomplete) + metrics(incomplete)
 
 
@@ -100,5 +100,5 @@ def _value(default: object) -> str:
     return "" if default is None else str(default)
 
 
-def _fitting(names: Iterable[str], incomplete: str, text: str = "") -> Offers:
-    return [(name, text) for name in names if name.startswith(incomplete)]
+def _fitting(names: Iterable[str], incomplete: str, text: Callable[[str], str] = lambda _: "") -> Offers:
+    return [(name, text(name)) for name in names if name.startswith(incomplete)]

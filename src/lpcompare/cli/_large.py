@@ -87,13 +87,11 @@ def parse_size(text: str) -> int:
 @contextmanager
 def some_cluster(workers: int, scheduler: str | None) -> Iterator[Any]:
     """A Dask client where one is asked for, whose dashboard is named on stderr; else None."""
-    from lpcompare.checks import check_integer
     from lpcompare.large.cluster import local_client, remote_client
 
     if not workers and not scheduler:
         yield None
         return
-    workers = check_integer("--workers", workers, 0)
     with remote_client(scheduler) if scheduler else local_client(workers) as client:
         say(f"Dask's dashboard: {client.dashboard_link}", err=True)
         yield client
