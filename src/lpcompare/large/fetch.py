@@ -11,7 +11,7 @@ from urllib.parse import unquote, urlsplit
 from lpcompare.errors import InputError, Unavailable
 from lpcompare.files import CONTINUE, whole_file
 
-_FULL = {errno.ENOSPC, errno.EDQUOT, errno.EACCES, errno.EROFS}
+_FOLDER = {errno.ENOSPC, errno.EDQUOT, errno.EACCES, errno.EROFS}
 """What is wrong with the folder of the copies, not with the URL."""
 
 
@@ -65,7 +65,7 @@ def _fetched(url: str, folder: Path) -> Path:
             try:
                 files.get_file(place, str(part))
             except OSError as error:
-                if error.errno in _FULL:
+                if error.errno in _FOLDER:
                     raise
                 raise ValueError(str(error) or type(error).__name__) from error
     except (ValueError, ImportError) as error:

@@ -53,10 +53,9 @@ def whole(job: Job, cuts: NDArray[np.float64] | None) -> None:
         np.min([part["low"] for part in parts], axis=0),
         np.max([part["high"] for part in parts], axis=0),
     )
-    first = job.inputs[0][0].name
     if not n_points:
-        raise InputError(f"{first} has no point with three finite coordinates; give at least one.")
-    check_magnitude(float(np.abs([low, high]).max()), first)
+        raise InputError(f"{_names(job)}: no point has three finite coordinates; give at least one.")
+    check_magnitude(float(np.abs([low, high]).max()), _names(job))
     if job.target_count > n_points:
         raise InputError(
             f"target_count is {job.target_count}; "
@@ -74,6 +73,12 @@ def whole(job: Job, cuts: NDArray[np.float64] | None) -> None:
         scale=scale,
         cuts=cut(sample, job.n_tiles) if cuts is None else cuts,
     )
+
+
+def _names(job: Job) -> str:
+    """The inputs by name, the first of many."""
+    first, more = job.inputs[0][0].name, len(job.inputs) - 1
+    return f"{first} and {more} more files" if more else first
 
 
 def cut(sample: Points, n_tiles: int) -> NDArray[np.float64]:
