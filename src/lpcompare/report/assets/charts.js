@@ -246,7 +246,9 @@ function startCharts() {
   startLegend();
   const height = 130 + 20 * Object.keys(page.methods).length + 8 * page.stages.length;
   for (const tall of document.querySelectorAll(".chart.tall")) tall.style.height = `${Math.max(300, height)}px`;
-  for (const select of document.querySelectorAll("#charts select, #perturbations select")) select.addEventListener("change", () => { drawCharts(); keepState(); });
+  for (const select of document.querySelectorAll("#charts select, #perturbations select")) {
+    select.addEventListener("change", () => { drawCharts(); keepState(); });
+  }
   // When they come into sight, or after a while: paper cannot wait for them.
   const begin = () => { watcher.disconnect(); clearTimeout(later); drawCharts(); };
   const watcher = new IntersectionObserver((seen) => seen.some((entry) => entry.isIntersecting) && begin(), { rootMargin: "400px" });

@@ -41,7 +41,9 @@ function startTable() {
   const table = byId("table");
   if (!table) return;
   const show = () => { filterTable(table); table.classList.toggle("all", byId("all-columns").checked); };
-  for (const heading of table.tHead.rows[0].cells) heading.firstElementChild.addEventListener("click", () => { sortTable(table, heading); keepState(); });
+  for (const heading of table.tHead.rows[0].cells) {
+    heading.firstElementChild.addEventListener("click", () => { sortTable(table, heading); keepState(); });
+  }
   for (const id of ["filter", "filter-reduction", "all-columns"]) byId(id).addEventListener("input", () => { show(); keepState(); });
   table.addEventListener("click", ({ target }) => {
     if (target.matches(".open")) openView(target.dataset.model, Number(target.dataset.reduction), target.textContent);
