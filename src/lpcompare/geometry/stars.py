@@ -75,6 +75,14 @@ class Stars:
         )
         return changed
 
+    def take(self, rows: Indices) -> tuple[NDArray[np.int32], NDArray[np.int32], Mask]:
+        """Copies of ``corners``, ``counts`` and ``closed`` of some points, for `put`."""
+        return self.corners[rows], self.counts[rows], self.closed[rows]
+
+    def put(self, rows: Indices, stars: tuple[NDArray[np.int32], NDArray[np.int32], Mask]) -> None:
+        """Give some points the stars that `take` copied."""
+        self.corners[rows], self.counts[rows], self.closed[rows] = stars
+
     def distances(self, queries: Points, nearest: NDArray[np.integer]) -> Vector:
         """Distance of each query to the triangles of some stars.
 

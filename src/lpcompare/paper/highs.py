@@ -52,15 +52,12 @@ class Outcome:
         The solution, in the order of the columns that were asked for.
     prices : ndarray, shape (r,)
         What the objective would change by if the limits of a row were one more; without integers only.
-    reduced : ndarray, shape (c,)
-        What the objective would change by if a column were one more; without integers only.
     """
 
     status: str
     bound: float
     values: Vector
     prices: Vector
-    reduced: Vector
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,6 +81,21 @@ class Program:
     rows: tuple[Vector, Vector]
     columns: tuple[Vector, Vector]
     boolean: Mask
+
+    def part(self, free: Mask, values: Vector) -> Program:
+        """The program of the columns ``free`` where the others are fixed at their ``values``, shape (c,)."""
+        fixed = self.matrix[:, ~free] @ values[~free]
+        return Program(
+            self.costs[free],
+            self.matrix[:, free],
+            (self.rows[0] - fixed, self.rows[1] - fixed),
+            (self.columns[0][free], self.columns[1][free]),
+            self.boolean[free],
+        )
+
+    def reduced(self, prices: Vector) -> Vector:
+        """What the objective would change by if a column were one more, at prices (r,) of the rows, shape (c,)."""
+        return self.costs - prices @ self.matrix
 
     def solve(
         self, options: dict[str, Any], *, start: Vector | None = None, cancelled: Event | None = None
@@ -221,8 +233,8 @@ def _outcome(solver: highspy.Highs) -> Outcome:
         )
     named = {"kTimeLimit": "time limit", "kSolutionLimit": "time limit", "kInterrupt": "interrupted"}
     bound = float(solver.getInfo().mip_dual_bound)
-    prices, reduced = np.array(solution.row_dual), np.array(solution.col_dual)
-    return Outcome(named.get(status, "optimal"), bound, np.array(solution.col_value), prices, reduced)
+    prices = np.array(solution.row_dual)
+    return Outcome(named.get(status, "optimal"), bound, np.array(solution.col_value), prices)
 
 
 def _bounds(data: dict[str, Any], boolean: Mask) -> tuple[Vector, Vector]:

@@ -2,7 +2,8 @@
 
 Each original has a list of up to 16 kept points, nearest first, and the radius inside which the list is
 complete. A swap squeezes the points that leave out of the lists, and inserts those that arrive inside the
-radius. Only a list that becomes too short is looked up again.
+radius. Only a list that becomes too short is looked up again. A trial does the same with a copy of one list at a
+time, and keeps only the errors.
 
 The error of an original mixes two distances: eq. 27's, to planes through its nearest kept points, and that to the
 triangles around the nearest of them. Planes smooth; triangles feel a rim that is lost and a ridge that is cut.
@@ -12,13 +13,12 @@ from __future__ import annotations
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
 from lpcompare.geometry.kernels import gather, mean_plane_distance, nearest_of
 from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.geometry.stars import Stars
 from lpcompare.threads import for_blocks
-from lpcompare.types import Indices, Points
+from lpcompare.types import Indices, Points, Vector
 
 SIZES = (6, 8, 12)
 """Neighbourhood sizes of eq. 27 that the error averages over: none is won at the cost of another."""
@@ -70,8 +70,8 @@ class Neighborhoods:
             np.empty(n_points),
             np.zeros(n_points),
         )
-        self.errors, self._stars = self._planes, Stars(self._tree.sorted_points)
-        self._update(np.empty(0, dtype=np.intp), np.empty(0, dtype=np.intp))
+        self._stars = Stars(self._tree.sorted_points)
+        self.swap(np.empty(0, dtype=np.intp), np.empty(0, dtype=np.intp))
 
     @property
     def owners(self) -> Indices:
@@ -93,55 +93,107 @@ class Neighborhoods:
 
     def swap(self, dropped: Indices, added: Indices) -> None:
         """Replace kept points, and bring up to date the originals whose neighbours change."""
-        self._update(dropped, added)
+        change = _Change(self._after(dropped, added), added, len(self.points), int(self._sizes[-1]))
+        self._renew(change, dropped, self._planes, stored=True)
+        if self._share > 0:
+            self._measure_triangles(change, self._triangles)
+        self.kept, self._slots = change.kept, change.slots
+        self.errors = self._mixed(self._planes, self._triangles)
 
-    def _update(self, dropped: Indices, added: Indices) -> None:
+    def try_swap(self, dropped: Indices, added: Indices) -> Vector:
+        """The errors of the originals, shape (n,), if the points were swapped; nothing changes."""
+        change = _Change(self._after(dropped, added), added, len(self.points), int(self._sizes[-1]))
+        planes, triangles = self._planes.copy(), self._triangles
+        self._renew(change, dropped, planes, stored=False)
+        if self._share > 0:
+            rows, triangles = change.stale, triangles.copy()
+            stars = self._stars.take(rows)
+            self._measure_triangles(change, triangles)
+            self._stars.put(rows, stars)
+        return self._mixed(planes, triangles)
+
+    def _after(self, dropped: Indices, added: Indices) -> Indices:
+        """The kept points after a swap, ascending."""
+        return np.sort(np.concatenate([np.setdiff1d(self.kept, dropped, assume_unique=True), added]))
+
+    def _mixed(self, planes: Vector, triangles: Vector) -> Vector:
+        return (1 - self._share) * planes + self._share * _TRIANGLE_SCALE * triangles
+
+    def _renew(self, change: _Change, dropped: Indices, planes: Vector, *, stored: bool) -> None:
+        """Fill in ``change`` and bring ``planes`` up to date; the lists and gaps as well where it is ``stored``."""
         points, leaves = self._tree.sorted_points, self._tree.leaves
         leaving = np.zeros(len(points), dtype=np.bool_)
         leaving[dropped] = True
-        self.kept = np.sort(np.concatenate([self.kept[~leaving[self.kept]], added]))
-        self._slots[self.kept] = np.arange(len(self.kept))
-        arriving, all_kept = Neighbors(points[added]), Neighbors(points[self.kept])
-        firsts = np.empty(len(points), dtype=np.int8)
-        state = self.lists, self.counts, self._radii, self.gaps, self._planes, firsts
-        arrivals = (*arriving.arrays, added[arriving.order])
-        everyone = (*all_kept.arrays, self.kept[all_kept.order])
+        arriving, all_kept = Neighbors(points[change.added]), Neighbors(points[change.kept])
+        state = self.lists, self.counts, self._radii, self.gaps
+        results = planes, change.firsts, change.sites, change.slots, change.nearest
+        arrivals = (*arriving.arrays, change.added[arriving.order])
+        everyone = (*all_kept.arrays, change.kept[all_kept.order])
 
         def renew(block: slice) -> None:
             some = leaves[block.start : block.stop + 1]
-            _renew(some, points, state, leaving, arrivals, everyone, self._sizes)
+            _renew(some, points, state, results, leaving, arrivals, everyone, self._sizes, stored)
 
         for_blocks(len(leaves) - 1, renew, size=_LEAVES)
-        if self._share > 0:
-            self._measure_triangles(firsts, added)
-        self.errors = (1 - self._share) * self._planes + self._share * _TRIANGLE_SCALE * self._triangles
 
-    def _measure_triangles(self, firsts: NDArray[np.int8], added: Indices) -> None:
+    def _measure_triangles(self, change: _Change, triangles: Vector) -> None:
         """Distance of the originals to the stars of their three nearest kept points, where one is another.
 
-        A star depends on the list of its own point alone; ``firsts`` are the first places of the lists that
-        changed. The stars of points that were ``added`` may be of a time before they were dropped.
+        A star depends on the list of its own point alone. The stars of points that were added may be of a time
+        before they were dropped.
         """
-        points, n_nearest = self._tree.sorted_points, int(self._sizes[-1])
-        touched = firsts < n_nearest
-        touched[added] = True
-        stale = self.kept[touched[self.kept]]
-        changed = self._stars.find(stale, self._normals, self.lists[stale, :n_nearest])
+        points, stale = self._tree.sorted_points, change.stale
+        changed = self._stars.find(stale, self._normals, change.nearest[change.slots[stale]])
 
         def measure(block: slice) -> None:
-            sites = self.lists[block, :_STARS]
-            rows = np.flatnonzero((firsts[block] < _STARS) | changed[sites].any(axis=1))
-            self._triangles[block.start + rows] = self._stars.distances(points[block][rows], sites[rows])
+            sites = change.sites[block]
+            rows = np.flatnonzero((change.firsts[block] < _STARS) | changed[sites].any(axis=1))
+            triangles[block.start + rows] = self._stars.distances(points[block][rows], sites[rows])
 
         for_blocks(len(points), measure)
 
 
+class _Change:
+    """What a swap of kept points leads to.
+
+    Attributes
+    ----------
+    kept, added : ndarray of int
+        The kept points afterwards, ascending, and those among them that arrive.
+    slots : ndarray of int32, shape (n,)
+        The position in ``kept`` of each kept point; -1 elsewhere.
+    firsts : ndarray of int8, shape (n,)
+        First place of the list of each original that changes; the width of the lists if none does.
+    sites : ndarray of int32, shape (n, 3)
+        The nearest kept points of each original.
+    nearest : ndarray of int32, shape (m, k)
+        The kept points nearest to each kept point.
+    """
+
+    def __init__(self, kept: Indices, added: Indices, n_points: int, n_nearest: int) -> None:
+        self.kept, self.added = kept, added
+        self.slots = np.full(n_points, -1, dtype=np.int32)
+        self.slots[kept] = np.arange(len(kept))
+        self.firsts = np.empty(n_points, dtype=np.int8)
+        self.sites = np.empty((n_points, _STARS), dtype=np.int32)
+        self.nearest = np.empty((len(kept), n_nearest), dtype=np.int32)
+
+    @property
+    def stale(self) -> Indices:
+        """The kept points whose neighbours change, and those that arrive."""
+        touched = self.firsts < self.nearest.shape[1]
+        touched[self.added] = True
+        return self.kept[touched[self.kept]]
+
+
 @njit(cache=True, nogil=True)
-def _renew(leaves, points, state, leaving, arrivals, everyone, sizes):
+def _renew(leaves, points, state, results, leaving, arrivals, everyone, sizes, stored):
     """Bring the originals between the places ``leaves`` up to date."""
-    lists, counts, radii, gaps, errors, firsts = state
+    lists, counts, radii, gaps = state
+    errors, firsts, sites, slots, nearest = results
     places, starts, boxes, rows = arrivals
     found = np.empty(len(places), np.int32)
+    line, count, radius = np.empty_like(lists[:1]), np.empty_like(counts[:1]), np.empty_like(radii[:1])
     needed = sizes[-1]
     for leaf in range(len(leaves) - 1):
         begin, end = leaves[leaf], leaves[leaf + 1]
@@ -154,66 +206,70 @@ def _renew(leaves, points, state, leaving, arrivals, everyone, sizes):
                 reach = max(reach, radii[i])
             n_found = gather(low, high, reach, places, starts, boxes, found)
         for i in range(begin, end):
-            first = _squeeze(i, lists, counts, leaving)
+            line[0], count[0], radius[0] = lists[i], counts[i], radii[i]
+            first = _squeeze(line[0], count, leaving)
             for place in found[:n_found]:
-                first = min(first, _insert(i, rows[place], points, lists, counts, radii))
-            if counts[i] < needed:
-                _look_up(i, points, lists, counts, radii, everyone)
+                first = min(first, _insert(i, rows[place], points, line[0], count, radius))
+            if count[0] < needed:
+                _look_up(i, points, line[0], count, radius, everyone)
                 first = 0
-            firsts[i] = first
+            firsts[i], sites[i] = first, line[0, : sites.shape[1]]
+            if slots[i] >= 0:
+                nearest[slots[i]] = line[0, :needed]
             if first < needed:
-                for j in range(2):
-                    gaps[i, j] = np.sqrt(_squared_distance(points, i, lists[i, j]))
                 x, y, z = points[i]
-                errors[i] = mean_plane_distance(x, y, z, points, lists[i], sizes)
+                errors[i] = mean_plane_distance(x, y, z, points, line[0], sizes)
+            if stored and first < len(line[0]):
+                lists[i], counts[i], radii[i] = line[0], count[0], radius[0]
+                for j in range(2):
+                    gaps[i, j] = np.sqrt(_squared_distance(points, i, line[0, j]))
 
 
 @njit(cache=True, nogil=True)
-def _squeeze(i, lists, counts, leaving):
+def _squeeze(line, count, leaving):
     """Take the points that leave out of a list; the first place at which one did, or the list's width."""
-    count, first = 0, lists.shape[1]
-    for j in range(counts[i]):
-        row = lists[i, j]
-        if leaving[row]:
+    n_left, first = 0, len(line)
+    for j in range(count[0]):
+        if leaving[line[j]]:
             first = min(first, j)
         else:
-            lists[i, count] = row
-            count += 1
-    counts[i] = count
+            line[n_left] = line[j]
+            n_left += 1
+    count[0] = n_left
     return first
 
 
 @njit(cache=True, nogil=True)
-def _insert(i, row, points, lists, counts, radii):
+def _insert(i, row, points, line, count, radius):
     """Put a point that arrives in its place of a list; that place, or the list's width."""
-    distance, width = _squared_distance(points, i, row), lists.shape[1]
-    if distance >= radii[i]:
+    distance, width = _squared_distance(points, i, row), len(line)
+    if distance >= radius[0]:
         return width
-    j = counts[i]
+    j = count[0]
     if j == width:
         j -= 1
     else:
-        counts[i] += 1
-    while j > 0 and _squared_distance(points, i, lists[i, j - 1]) > distance:
-        lists[i, j] = lists[i, j - 1]
+        count[0] += 1
+    while j > 0 and _squared_distance(points, i, line[j - 1]) > distance:
+        line[j] = line[j - 1]
         j -= 1
-    lists[i, j] = row
-    if counts[i] == width:
-        radii[i] = _squared_distance(points, i, lists[i, width - 1])
+    line[j] = row
+    if count[0] == width:
+        radius[0] = _squared_distance(points, i, line[width - 1])
     return j
 
 
 @njit(cache=True, nogil=True)
-def _look_up(i, points, lists, counts, radii, everyone):
+def _look_up(i, points, line, count, radius, everyone):
     """Make a list anew from the tree of all kept points."""
     places, starts, boxes, rows = everyone
-    count = min(lists.shape[1], len(places))
-    distances, nearest = np.full(count, np.inf), np.empty(count, np.int32)
+    size = min(len(line), len(places))
+    distances, nearest = np.full(size, np.inf), np.empty(size, np.int32)
     nearest_of(points[i, 0], points[i, 1], points[i, 2], places, starts, boxes, distances, nearest)
-    for j in range(count):
-        lists[i, j] = rows[nearest[j]]
-    counts[i] = count
-    radii[i] = distances[count - 1] if count < len(places) else np.inf
+    for j in range(size):
+        line[j] = rows[nearest[j]]
+    count[0] = size
+    radius[0] = distances[size - 1] if size < len(places) else np.inf
 
 
 @njit(cache=True, nogil=True)

@@ -2,8 +2,8 @@
 
 Every original belongs to its nearest kept point. In each round some kept points whose originals carry little
 error are dropped, and originals are taken where the error is largest, none beside another. This is a trial: the
-errors afterwards say what each drop cost and each addition gained. A boolean program chooses those that stay, so
-that they save most and the clusters keep their densities; the others are taken back. So a point that lies off its
+errors afterwards say what each drop cost and each addition gained. A boolean program chooses those that are done,
+so that they save most and the clusters keep their densities. So a point that lies off its
 surface, which an outlier or noise makes look urgent, does not stay: it spoils the planes of its neighbours.
 Nothing is dropped that would leave an original farther from the reduced cloud than the hole limit, and
 originals that are farther already come first.
@@ -151,27 +151,23 @@ def swap_points(
 def _swap_once(
     state: Neighborhoods, limit: float, band: DensityBand, n_swaps: int, movable: Mask | None
 ) -> bool:
-    """Try one round and take back what did not pay; whether anything was tried."""
+    """Try one round and do what paid; whether anything was tried."""
     price = _DENSITY_PRICE * float(state.errors.mean()) * len(state.errors) / len(state.kept) or 1.0
     band.start(state.kept, price)
     dropped, added = _candidates(state, limit, band.pull(), n_swaps, movable)
     if not len(added) or not len(dropped):
         return False
-    before, holes = state.errors, state.gaps[added, 0] > limit
-    state.swap(dropped, added)
-    costs, gains = _effects(state, before, dropped, added)
-    gains[holes] = np.inf
+    changes = state.try_swap(dropped, added) - state.errors
+    costs, gains = _effects(state.points, changes, dropped, added)
+    gains[state.gaps[added, 0] > limit] = np.inf
     stay_out, stay_in = choose_swaps(band, dropped, costs, added, gains, price)
-    state.swap(added[~stay_in], dropped[~stay_out])
+    state.swap(dropped[stay_out], added[stay_in])
     return True
 
 
-def _effects(state: Neighborhoods, before: Vector, dropped: Indices, added: Indices) -> tuple[Vector, Vector]:
+def _effects(points: Points, changes: Vector, dropped: Indices, added: Indices) -> tuple[Vector, Vector]:
     """Error that each drop cost and each addition gained: every original counts for its nearest candidate."""
-    points = state.points
-    candidates = np.concatenate([dropped, added])
-    changes = state.errors - before
-    rows = np.flatnonzero(changes)
+    candidates, rows = np.concatenate([dropped, added]), np.flatnonzero(changes)
     nearest = Neighbors(points[candidates]).query(points[rows], 1)[1][:, 0]
     totals: Vector = np.bincount(nearest, changes[rows], len(candidates)).astype(np.float64)
     return totals[: len(dropped)], -totals[len(dropped) :]

@@ -1,12 +1,15 @@
 """What the program of the swaps chooses, against every choice there is."""
 
+from dataclasses import replace
 from itertools import product
+from unittest.mock import patch
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from lpcompare.uniform import swap_program
 from lpcompare.uniform.densities import DensityBand
 from lpcompare.uniform.swap_program import choose_swaps
 
@@ -59,6 +62,31 @@ def test_no_choice_is_much_better(seed, sizes, tolerance):
             best = max(best, value(band, dropped, costs, added, gains, out, into))
     relaxed = np.abs(costs).sum() + np.abs(gains).sum() + PRICE * 40
     assert found >= best - 0.01 * relaxed
+
+
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    sizes=st.tuples(st.integers(1, 30), st.integers(1, 30), st.integers(1, 3)),
+    tolerance=st.sampled_from([0.0, 0.01, 0.1]),
+    n_values=st.integers(1, 40),
+    at_once=st.integers(1, 20),
+)
+@settings(max_examples=60, deadline=None)
+def test_solved_piece_by_piece_a_relaxation_is_that_of_the_whole(seed, sizes, tolerance, n_values, at_once):
+    """Few different values make ties."""
+    band, dropped, _, added, _ = instance(seed, *sizes, tolerance)
+    rows, signs = np.concatenate([added, dropped]), np.repeat([1.0, -1.0], [len(added), len(dropped)])
+    worth = np.random.default_rng(seed).integers(-n_values, n_values, len(rows)).astype(float)
+    program = swap_program._build(band, rows, signs, worth, PRICE)
+    program.columns[0][: min(len(added), len(dropped), 2)] = 1.0
+    program = replace(program, boolean=np.zeros_like(program.boolean))
+    with patch.object(swap_program, "_AT_ONCE", at_once):
+        values, _ = swap_program._relax(program, len(rows))
+    whole = program.solve({"solver": "simplex"}).values
+    assert program.costs @ values == pytest.approx(program.costs @ whole, abs=1e-4)
+    least, most = program.rows
+    assert (program.matrix @ values >= least - 1e-6).all()
+    assert (program.matrix @ values <= most + 1e-6).all()
 
 
 @pytest.mark.parametrize("n_added", [3, 9])

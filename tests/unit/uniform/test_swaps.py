@@ -191,6 +191,25 @@ def test_lists_kept_up_to_date_are_those_of_fresh_queries(seed, n_points, share,
         assert state.errors == pytest.approx(expected)
 
 
+@given(seed=st.integers(0, 2**32 - 1), triangle_share=st.sampled_from([0.0, 0.2, 1.0]))
+@settings(max_examples=20, deadline=None)
+def test_a_trial_foretells_the_errors_and_changes_nothing(seed, triangle_share):
+    rng = np.random.default_rng(seed)
+    tree = Neighbors(rng.normal(size=(300, 3)) * [1.0, 1.0, 0.1])
+    normals = np.tile([0.0, 0.0, 1.0], (300, 1))
+    state, twin = (Neighborhoods(tree, normals, random_rows(300, 90, seed), triangle_share) for _ in range(2))
+    for n_swaps in (0, 5, 60):
+        free = np.setdiff1d(np.arange(300), state.kept)
+        dropped, added = (rng.choice(rows, n_swaps, replace=False) for rows in (state.kept, free))
+        foretold = state.try_swap(dropped, added)
+        for name in ("kept", "gaps", "errors", "owners"):
+            assert np.array_equal(getattr(state, name), getattr(twin, name))
+        state.swap(dropped, added)
+        twin.swap(dropped, added)
+        assert np.array_equal(state.errors, foretold)
+        assert np.array_equal(state.errors, twin.errors)
+
+
 @pytest.mark.parametrize(
     ("rows", "settings", "words"),
     [
