@@ -97,10 +97,16 @@ class Stars:
         ndarray, shape (q,)
             In model units.
         """
-        result = np.empty(len(queries))
-        nearest = np.ascontiguousarray(nearest, dtype=np.int32)
-        star_distances(queries, nearest, self.sites, self.corners, self.counts, self.closed, result)
+        result, everyone = np.empty(len(queries)), np.ones(len(queries), dtype=np.bool_)
+        self.renew(queries, np.ascontiguousarray(nearest, dtype=np.int32), everyone, self.closed, result)
         return result
+
+    def renew(
+        self, queries: Points, nearest: NDArray[np.int32], moved: Mask, changed: Mask, distances: Vector
+    ) -> None:
+        """Bring ``distances`` (q,) up to date where ``moved`` (q,), or where one of the stars ``changed`` (m,)."""
+        stars = self.sites, self.corners, self.counts, self.closed
+        star_distances(queries, nearest, moved, changed, *stars, distances)
 
 
 def make_stars(sites: Points, normals: Points, nearest: NDArray[np.integer]) -> Stars:
@@ -191,9 +197,14 @@ def _append(points, hull, size, least, corner):
 
 
 @njit(cache=True, nogil=True)
-def star_distances(queries, nearest, sites, corners, counts, closed, distances):
-    """`Stars.distances` of one block."""
+def star_distances(queries, nearest, moved, changed, sites, corners, counts, closed, distances):
+    """`Stars.renew`."""
     for q in range(len(queries)):
+        stale = moved[q]
+        for site in nearest[q]:
+            stale |= changed[site]
+        if not stale:
+            continue
         best = np.inf
         for site in nearest[q]:
             best = min(

@@ -146,9 +146,8 @@ class Neighborhoods:
         changed = self._stars.find(stale, self._normals, change.nearest[change.slots[stale]])
 
         def measure(block: slice) -> None:
-            sites = change.sites[block]
-            rows = np.flatnonzero((change.firsts[block] < _STARS) | changed[sites].any(axis=1))
-            triangles[block.start + rows] = self._stars.distances(points[block][rows], sites[rows])
+            moved = change.firsts[block] < _STARS
+            self._stars.renew(points[block], change.sites[block], moved, changed, triangles[block])
 
         for_blocks(len(points), measure)
 
