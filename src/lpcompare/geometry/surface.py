@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -34,8 +35,15 @@ class Surface:
     curvatures: NDArray[np.float64]
 
 
+Visit = Callable[[slice, Rows, Points], None]
+"""Work with a block of places, the neighbours (b, k) of each, nearest first, and its normals (b, 3)."""
+
+
 def estimate_surface(
-    neighbors: Neighbors, n_neighbors: int = 20, progress: Progress | None = None
+    neighbors: Neighbors,
+    n_neighbors: int = 20,
+    progress: Progress | None = None,
+    visit: Visit | None = None,
 ) -> Surface:
     """Measure the surface at every point of a tree.
 
@@ -46,6 +54,8 @@ def estimate_surface(
         Points per quadric, the point itself among them; cut to the size of the cloud.
     progress : callable, optional
         Called with (blocks done, blocks).
+    visit : callable, optional
+        Called from several threads, once for each block, when its normals are known.
 
     Returns
     -------
@@ -66,6 +76,8 @@ def estimate_surface(
         near = np.ascontiguousarray(places[:, :_PLANE_NEIGHBORS])
         plane_block(points, near, centroids, surface.normals[block])
         surface.areas[block] = squares[:, n_area]
+        if visit:
+            visit(block, places, surface.normals[block])
 
     neighbors.each(points, max(n_neighbors, _PLANE_NEIGHBORS), measure, progress)
     return surface

@@ -12,9 +12,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
-from lpcompare.geometry.neighbors import Neighbors
-from lpcompare.geometry.surface import Surface
+from lpcompare.geometry.neighbors import Neighbors, Rows
+from lpcompare.geometry.surface import Surface, estimate_surface
+from lpcompare.threads import Progress
 from lpcompare.types import Indices, Points, Vector
 
 _PER_CELL = 10
@@ -40,6 +42,24 @@ class Rims:
     areas: Vector
 
 
+def surface_and_rims(
+    tree: Neighbors, n_keep: int, n_neighbors: int, progress: Progress | None = None
+) -> tuple[Surface, Rims]:
+    """`estimate_surface` and `find_rims`, from one search for neighbours where one is enough."""
+    points, n_looked_at = tree.sorted_points, _n_looked_at(len(tree.sorted_points), n_keep)
+    if _stride(len(points), n_keep) > 1 or n_looked_at > n_neighbors:
+        surface = estimate_surface(tree, n_neighbors, progress)
+        return surface, find_rims(points, surface, n_keep)
+    directions = np.zeros((len(points), 3))
+
+    def visit(block: slice, places: Rows, normals: Points) -> None:
+        near = np.ascontiguousarray(places[:, :n_looked_at])
+        outward_block(points[block], normals, points, near, directions[block])
+
+    surface = estimate_surface(tree, n_neighbors, progress, visit)
+    return surface, _rims(np.arange(len(points)), directions, surface.areas)
+
+
 def find_rims(points: Points, surface: Surface, n_keep: int) -> Rims:
     """Find the rims that matter when ``n_keep`` points stay.
 
@@ -60,18 +80,31 @@ def find_rims(points: Points, surface: Surface, n_keep: int) -> Rims:
     -------
     Rims
     """
-    stride = max(1, len(points) // (_PER_CELL * n_keep))
+    stride = _stride(len(points), n_keep)
     sample = np.arange(0, len(points), stride)
     tree = Neighbors(np.ascontiguousarray(points[sample]))
     directions, normals = np.zeros((len(sample), 3)), surface.normals[sample]
 
-    def measure(block, _, places):
+    def measure(block: slice, _: NDArray[np.float64], places: Rows) -> None:
         outward_block(tree.points[block], normals[block], tree.sorted_points, places, directions[block])
 
-    tree.each(tree.points, int(np.clip(2 * len(sample) // n_keep, _FEWEST, _MOST)), measure)
-    found = np.flatnonzero(directions.any(axis=1))
-    rows = sample[found]
-    return Rims(rows, directions[found], stride * surface.areas[rows])
+    tree.each(tree.points, _n_looked_at(len(sample), n_keep), measure)
+    return _rims(sample, directions, stride * surface.areas[sample])
+
+
+def _stride(n_points: int, n_keep: int) -> int:
+    """One of how many points is looked at."""
+    return max(1, n_points // (_PER_CELL * n_keep))
+
+
+def _n_looked_at(n_points: int, n_keep: int) -> int:
+    """Neighbours that fill two cells."""
+    return int(np.clip(2 * n_points // n_keep, _FEWEST, _MOST))
+
+
+def _rims(rows: Indices, directions: Points, areas: Vector) -> Rims:
+    found = directions.any(axis=1)
+    return Rims(rows[found], directions[found], areas[found])
 
 
 @njit(cache=True, nogil=True)

@@ -9,7 +9,7 @@ import numpy as np
 from lpcompare.checks import check_choice, check_integer, check_number, check_points, check_seed, check_target
 from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.geometry.scale import normalize
-from lpcompare.geometry.surface import Surface, estimate_surface
+from lpcompare.geometry.surface import Surface
 from lpcompare.paper.cluster_count import ClusterCountSetting, check_n_clusters
 from lpcompare.paper.curvature import Curvature
 from lpcompare.paper.thinning import Thinning
@@ -24,7 +24,7 @@ from lpcompare.uniform.clusters import (
 )
 from lpcompare.uniform.placement import place_points
 from lpcompare.uniform.program import SpreadCertificate, Stop
-from lpcompare.uniform.rims import Rims, find_rims
+from lpcompare.uniform.rims import Rims, surface_and_rims
 from lpcompare.uniform.swaps import EMPHASES
 
 
@@ -91,9 +91,8 @@ class UniformThinning(Thinning):
         mixture = self._cluster(cloud, rng, clock.stage("clustering"))
         progress = clock.stage("curvature")
         tree = Neighbors(cloud)
-        surface = estimate_surface(tree, self.n_neighbors, progress)
+        surface, rims = surface_and_rims(tree, n_keep, self.n_neighbors, progress)
         density = cluster_densities(tree.sorted_points, mixture.labels[tree.order])
-        rims = find_rims(tree.sorted_points, surface, n_keep)
         kept, cells, certificates = self._select(tree, surface, rims, density, n_keep, clock)
 
         rows = tree.order[kept].astype(np.intp)
