@@ -40,7 +40,7 @@ class UniformThinning(Thinning):
         n_clusters: ClusterCountSetting = 20,
         n_neighbors: int = 20,
         emphasis: str = "balanced",
-        n_rounds: int = 6,
+        n_rounds: int = 8,
         density_tolerance: float = 0.05,
         gap: float = 5e-3,
         time_limit: float = 10.0,

@@ -28,7 +28,7 @@ from lpcompare.uniform.neighborhoods import Neighborhoods
 from lpcompare.uniform.swap_program import choose_swaps
 
 _FIRST_SHARE = 0.2
-_LAST_SHARE = 0.06
+_LAST_SHARE = 0.04
 _LOOK_AHEAD = 4
 _RING = 5
 _DENSITY_PRICE = 3.0
@@ -59,7 +59,7 @@ EMPHASES = {
 }
 
 
-def refine(points: Points, indices: Indices, *, n_rounds: int = 6, emphasis: str = "balanced") -> Indices:
+def refine(points: Points, indices: Indices, *, n_rounds: int = 8, emphasis: str = "balanced") -> Indices:
     """Improve any subset of a cloud by swaps, without regard to clusters.
 
     Parameters
@@ -100,7 +100,7 @@ def swap_points(
     normals: Points,
     kept: Indices,
     *,
-    n_rounds: int = 6,
+    n_rounds: int = 8,
     emphasis: Emphasis = EMPHASES["balanced"],
     band: DensityBand | None = None,
     limit: float | None = None,
