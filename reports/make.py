@@ -39,14 +39,19 @@ def run(name: str, *words: str) -> list[Words]:
     ]
 
 
+def study(name: str, *clouds: str) -> list[Words]:
+    """The commands of a study that has a file, on these names and files."""
+    words = [word for cloud in clouds for word in ("--model", cloud)]
+    return run(name, "--study", f"reports/{name}/study.toml", *words)
+
+
 def steps(models: Path) -> dict[str, list[Words]]:
     """The commands of every step, in order."""
     python = [sys.executable]
     suites = [f"tests/benchmarks/test_{name}.py" for name in ("stages", "methods", "metrics")]
     measure = [*python, "-m", "pytest", "-q"]
     scans = [f"{models}/upstream/stanford-bunny.obj", f"{models}/scans/max-planck-45045.ply"]
-    some = ("fandisk", "stanford-bunny", *(f"{models}/scans/{scan}.ply" for scan in SCANS))
-    shapes = [word for shape in some for word in ("--model", shape)]
+    scanned = [f"{models}/scans/{scan}.ply" for scan in SCANS]
     return {
         "bunny": run("bunny", "--model", "bunny"),
         "uniform": [
@@ -61,7 +66,7 @@ def steps(models: Path) -> dict[str, list[Words]]:
                 *("--out", "reports/paper"),
             ]
         ],
-        "methods": run("methods", "--study", "reports/methods/study.toml", *shapes),
+        "methods": study("methods", "fandisk", "stanford-bunny", "igea", *scanned),
         "benchmarks": [
             [*measure, *suites, "--benchmark-json=reports/benchmarks/baseline.json"],
             [
@@ -70,7 +75,7 @@ def steps(models: Path) -> dict[str, list[Words]]:
                 "--benchmark-json=reports/benchmarks/filter.json",
             ],
         ],
-        "robustness": run("robustness", "--study", "reports/robustness/study.toml", *shapes),
+        "robustness": study("robustness", "fandisk", "stanford-bunny", *scanned),
         "pictures": [[*python, "reports/pictures/draw.py", "reports/local/bunny"]],
         "texts": [[*python, "docs/make.py"]],
     }
