@@ -12,6 +12,7 @@ import re
 import runpy
 import sys
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from statistics import geometric_mean
 from typing import Any
@@ -26,7 +27,7 @@ from lpcompare.models.catalogue import catalogue
 from lpcompare.registry import METHODS, METRICS
 from lpcompare.report.cells import cells, mean_ratios
 from lpcompare.report.page_markdown import method_page
-from lpcompare.report.tables import format_run, markdown_table
+from lpcompare.report.tables import format_run, listing, markdown_table
 
 DOCS = Path(__file__).resolve().parent
 REPORTS = DOCS.parent / "reports"
@@ -159,6 +160,42 @@ def damaged() -> Iterator[str]:
     yield from markdown_table(["damage", *measures.values()], rows, "---")
 
 
+@cache
+def _strengths() -> tuple[dict[str, Any], Any]:
+    """The functions of reports/methods/strengths.py, and the study of every method."""
+    functions = runpy.run_path(str(REPORTS / "methods" / "strengths.py"))
+    return functions, functions["study"](REPORTS / "methods")
+
+
+def strengths_scope() -> Iterator[str]:
+    """What the study of every method holds."""
+    _, found = _strengths()
+    clouds = listing([f"{name} ({part.n_input.iloc[0]:,})" for name, part in found.table.groupby("input")])
+    yield f"{found.table.label.nunique()} methods; clouds, with their points: {clouds};"
+    yield f"{_percents(found.table.reduction)} removed; {found.n_cases} cases for each method."
+    yield f"Made {_day(found.run)}."
+    if (jobs := found.run.plan.get("jobs", 1)) > 1:
+        yield f"{jobs} cases ran at the same time, so the seconds say which method is slow, and no more."
+
+
+def strengths_winners() -> Iterator[str]:
+    """Who has the first places by each measure."""
+    functions, found = _strengths()
+    yield from functions["winners"](found)
+
+
+def strengths() -> Iterator[str]:
+    """One paragraph for each method."""
+    functions, found = _strengths()
+    yield from functions["paragraphs"](found)
+
+
+def strengths_failures() -> Iterator[str]:
+    """The cases of the study of every method that have no result."""
+    functions, found = _strengths()
+    yield from functions["failures"](found)
+
+
 def times() -> Iterator[str]:
     """Seconds on the bunny, from reports/bunny."""
     run = load_run(REPORTS / "bunny")
@@ -271,6 +308,10 @@ PARTS = {
         reach,
         uniform,
         damaged,
+        strengths,
+        strengths_scope,
+        strengths_winners,
+        strengths_failures,
         times,
         bunny,
         rivals,
