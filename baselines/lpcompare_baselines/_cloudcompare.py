@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-from pathlib import Path
-from tempfile import TemporaryDirectory
-
 import numpy as np
-from plyfile import PlyData
 
 from lpcompare.geometry.scale import bounding_box_center
 from lpcompare.types import Indices, Points
+from lpcompare_baselines._programs import through_program
 
 _LOW = 2**16
 _QUIET = "-SILENT -AUTO_SAVE OFF -NO_TIMESTAMP -C_EXPORT_FMT PLY -PLY_EXPORT_FMT BINARY_LE -O in.ply -SS"
@@ -37,22 +32,7 @@ def subsample(points: Points, method: str, parameter: float) -> Indices:
     columns = [*(points - bounding_box_center(points)).T, rows % _LOW, rows // _LOW]
     for (name, _), column in zip(_TYPE, columns, strict=True):
         table[name] = column
-    properties = "".join(f"property float {name}\n" for name, _ in _TYPE)
-    head = f"ply\nformat binary_little_endian 1.0\nelement vertex {len(points)}\n{properties}end_header\n"
-    with TemporaryDirectory() as folder:
-        (Path(folder) / "in.ply").write_bytes(head.encode() + table.tobytes())
-        words = [
-            "CloudCompare",
-            *_QUIET.split(),
-            method,
-            f"{parameter:.9g}",
-            "-SAVE_CLOUDS",
-            "FILE",
-            "out.ply",
-        ]
-        environment = os.environ | {"QT_QPA_PLATFORM": "offscreen"}
-        subprocess.run(words, cwd=folder, env=environment, capture_output=True, check=True)
-        file = PlyData.read(Path(folder) / "out.ply", mmap=False)  # pyright: ignore[reportArgumentType]
-        kept = file["vertex"].data
+    thinning = [*_QUIET.split(), method, f"{parameter:.9g}", "-SAVE_CLOUDS", "FILE", "out.ply"]
+    kept = through_program(table, ["CloudCompare", *thinning], QT_QPA_PLATFORM="offscreen")
     low, high = (kept[name].astype(np.intp) for name in ("scalar_low", "scalar_high"))
     return np.sort(high * _LOW + low)

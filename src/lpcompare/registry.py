@@ -302,7 +302,7 @@ class Invocation:
     UnknownName
         There is no such method or setting.
     Unavailable
-        The method needs a package that is not installed.
+        The method needs a package or a program that is not installed.
     InputError
         A coordinate is not finite, or the count is not from 1 to n.
     """
@@ -322,6 +322,8 @@ class Invocation:
         self.name, self.target_count = name, target_count
         self.cloud = replace(cloud, points=check_points(cloud.points))
         self.module, self.traits = METHODS.module(name), METHODS.traits(name)
+        if self.traits.programs and (missing := METHODS.missing(name)):
+            raise Unavailable(f"The method {name!r} cannot run: {missing}")
         self.settings = dict(settings or {})
         METHODS.check_settings(name, self.settings)
         if not 1 <= target_count <= len(cloud):
