@@ -190,6 +190,12 @@ def strengths() -> Iterator[str]:
     yield from functions["paragraphs"](found)
 
 
+def strengths_speed() -> Iterator[str]:
+    """The slowest methods, and the most memory."""
+    functions, found = _strengths()
+    yield from functions["speed"](found)
+
+
 def strengths_failures() -> Iterator[str]:
     """The cases of the study of every method that have no result."""
     functions, found = _strengths()
@@ -311,6 +317,7 @@ PARTS = {
         strengths,
         strengths_scope,
         strengths_winners,
+        strengths_speed,
         strengths_failures,
         times,
         bunny,

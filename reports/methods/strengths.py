@@ -18,7 +18,7 @@ import pandas as pd
 from lpcompare.benchmark.record import Run, load_run
 from lpcompare.registry import METHODS
 from lpcompare.report.cells import RUNTIME, cells, columns, mean_ratios, witnesses
-from lpcompare.report.tables import escape_markdown, listing, markdown_table, seconds
+from lpcompare.report.tables import count, escape_markdown, listing, markdown_table, percent, seconds
 
 REFERENCE = "poisson_disk"
 MISS = 0.01
@@ -29,6 +29,9 @@ FEWEST = 1 / 3
 
 DEFAULT, LOST = "lp_uniform", 10
 """The method of which it is said first by which measures it is behind this place."""
+
+QUICK_ON, QUICK_S, SLOWEST = ("stanford-bunny", 0.9), 10, 8
+"""Where a call may take no more than this many seconds, and how many of the slowest are named."""
 
 ENDS = 1 / 6
 """The first and the last share of the places: what a method is good at, and what it is poor at."""
@@ -158,6 +161,34 @@ def failures(found: Study) -> Iterator[str]:
         yield "Every case has a result."
         return
     yield from markdown_table(["method", "end", "cases", "on", "message"], rows, "---")
+
+
+def speed(found: Study) -> Iterator[str]:
+    """Calls that are too slow on the cloud of the promise, the slowest of them, and the most memory."""
+    cloud, reduction = QUICK_ON
+    frame = found.run.frame[found.run.frame.status.eq("ok")]
+    here = frame[frame.model.eq(cloud) & frame.reduction.eq(reduction)]
+    here = here.groupby("method")[["n_input", RUNTIME, "cpu_s", "calibration_s", "foreign_load"]].median()
+    yield f"On {cloud} ({here.n_input.max():,.0f} points, {percent(reduction)} removed), a call may take {QUICK_S} s."
+    yield f"By processor time, {_longer(here.cpu_s)}; by the clock, {_longer(here[RUNTIME])}."
+    yield f"Other work took {here.foreign_load.median():.1f} processors meanwhile. The {SLOWEST} slowest calls:"
+    yield ""
+    last = here.sort_values("cpu_s", ascending=False, kind="stable").head(SLOWEST)
+    rows = [
+        [f"`{m}`", *(seconds(v).replace("n/a", "") for v in last.loc[m][["cpu_s", RUNTIME]])]
+        for m in last.index
+    ]
+    yield from markdown_table(["method", "processor time", "by the clock"], rows, "---")
+    yield ""
+    largest = found.table[found.table.n_input.eq(found.table.n_input.max())]
+    peak = largest.loc[largest.peak_memory_mib.idxmax()]
+    yield f"The most memory on the largest cloud ({peak.input}, {peak.n_input:,.0f} points), libraries included:"
+    yield f"{peak.peak_memory_mib:,.0f} MiB (`{peak.label}`)."
+
+
+def _longer(times: pd.Series) -> str:
+    slow = [f"`{m}`" for m in times.index[times > QUICK_S]]
+    return f"{count(len(slow), 'method')} took longer ({listing(slow)})" if slow else "no method took longer"
 
 
 def _sentences(found: Study, method: str, ratios: pd.DataFrame) -> Iterator[str]:

@@ -74,3 +74,14 @@ def test_failures_are_rows():
     found = study_of([1.0, 2.0, 3.0], record("cgal_wlop", model="a", status="timeout"))
     assert "| `cgal_wlop` | ran out of time | 1 | a | why |" in text("failures", found)
     assert text("failures", study_of([1.0, 2.0, 3.0])) == "Every case has a result."
+
+
+def test_a_call_that_is_too_slow_is_named():
+    facts = {"model": "stanford-bunny", "foreign_load": 0.0, "peak_memory_mib": 300.0}
+    runs = [record(m, runtime_s=s, cpu_s=c, **facts) for m, s, c in (("a", 12.0, 4.0), ("b", 15.0, 11.0))]
+    told = text("speed", STRENGTHS["Study"](run_of(runs)))
+    assert (
+        "By processor time, one method took longer (`b`); by the clock, two methods took longer (`a` and `b`)."
+        in told
+    )
+    assert "300 MiB (`a`)" in told
