@@ -202,6 +202,17 @@ def strengths_failures() -> Iterator[str]:
     yield from functions["failures"](found)
 
 
+def seeds() -> Iterator[str]:
+    """How much the seed decides, from reports/seeds."""
+    if not (REPORTS / "seeds" / "run.json").exists():
+        yield "This study has no committed result yet: `python reports/make.py --models FOLDER --only seeds` makes it."
+        return
+    run = load_run(REPORTS / "seeds")
+    functions = runpy.run_path(str(REPORTS / "seeds" / "spread.py"))
+    yield from functions["spread"](run, {key: _strengths()[0]["MEASURES"][key] for key in GOALS})
+    yield f"Every case is in [records.csv](../reports/seeds/records.csv), made {_day(run)}."
+
+
 def times() -> Iterator[str]:
     """Seconds on the bunny, from reports/bunny."""
     run = load_run(REPORTS / "bunny")
@@ -319,6 +330,7 @@ PARTS = {
         strengths_winners,
         strengths_speed,
         strengths_failures,
+        seeds,
         times,
         bunny,
         rivals,

@@ -20,8 +20,9 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 LOCAL, MADE = ROOT / "reports" / "local", ROOT / "reports" / "local" / "made.json"
-KEPT = ("run.json", "records.csv", "README.md")
-"""What is committed of a run's folder."""
+DATA = ("run.json", "records.csv")
+KEPT = {**dict.fromkeys(("bunny", "methods", "robustness"), (*DATA, "README.md")), "seeds": DATA}
+"""What is committed of the folder of each run."""
 
 SCANS = ("lidar-room-56159", "rangemap-lato315-62702")
 
@@ -39,10 +40,10 @@ def run(name: str, *words: str) -> list[Words]:
     ]
 
 
-def study(name: str, *clouds: str) -> list[Words]:
+def study(name: str, *clouds: str, jobs: int = 1) -> list[Words]:
     """The commands of a study that has a file, on these names and files."""
     words = [word for cloud in clouds for word in ("--model", cloud)]
-    return run(name, "--study", f"reports/{name}/study.toml", *words)
+    return run(name, "--study", f"reports/{name}/study.toml", *words, "--jobs", str(jobs))
 
 
 def steps(models: Path) -> dict[str, list[Words]]:
@@ -76,6 +77,7 @@ def steps(models: Path) -> dict[str, list[Words]]:
             ],
         ],
         "robustness": study("robustness", "fandisk", "stanford-bunny", *scanned),
+        "seeds": study("seeds", "stanford-bunny", "fandisk", scanned[0], jobs=2),
         "pictures": [[*python, "reports/pictures/draw.py", "reports/local/bunny"]],
         "texts": [[*python, "docs/make.py"]],
     }
@@ -88,7 +90,7 @@ def make(name: str, commands: list[Words], models: Path) -> float:
         subprocess.run(
             words, cwd=ROOT, check=True, env={**os.environ, "LPCOMPARE_MODELS": str(models / "upstream")}
         )
-    for file in KEPT if name in ("bunny", "methods", "robustness") else ():
+    for file in KEPT.get(name, ()):
         text = (LOCAL / name / file).read_text(encoding="utf-8")
         kept = ROOT / "reports" / name / file
         kept.write_text(text.replace(f"{models}/scans/", ""), encoding="utf-8", newline="")
