@@ -142,8 +142,8 @@ def winners(found: Study) -> Iterator[str]:
         ordered = places[key].sort_values(kind="stable").index
         best = next(m for m in ordered if m in subsets)
         title = MEASURES.get(key, "all of them")
-        rows.append([title, *(f"`{m}`" for m in (*ordered[:3], best, ordered[-1])), str(ours[key])])
-    heads = ["measure", "first", "second", "third", "first that keeps points", "last", "place of the default"]
+        rows.append([title, *(f"`{m}`" for m in (*ordered[:2], best)), str(ours[key])])
+    heads = ["measure", "first", "second", "first that keeps points", "default's place"]
     yield from markdown_table(heads, rows, "---")
     yield ""
     yield f"{len(places)} of {found.table.label.nunique()} methods have a place."
