@@ -96,7 +96,7 @@ def smooth_vectors(graph: csr_array) -> tuple[Vector, Points]:
     graph : csr_array, shape (n, n)
         Symmetric weights.
     """
-    n = graph.shape[0]
+    n = len(graph.indptr) - 1
     roots = diags_array(1 / np.sqrt(np.maximum(graph.sum(axis=1), np.finfo(float).tiny)))
     laplacian = eye_array(n) - roots @ graph @ roots
     if n <= _DENSE:
