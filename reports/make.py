@@ -67,7 +67,7 @@ def steps(models: Path) -> dict[str, list[Words]]:
                 *("--out", "reports/paper"),
             ]
         ],
-        "methods": study("methods", "fandisk", "stanford-bunny", "igea", *scanned),
+        "methods": study("methods", "fandisk", "stanford-bunny", "igea", *scanned, jobs=2),
         "benchmarks": [
             [*measure, *suites, "--benchmark-json=reports/benchmarks/baseline.json"],
             [
