@@ -12,7 +12,7 @@ from scipy.sparse.csgraph import connected_components
 from lpcompare.geometry.graphs import nearest_others
 from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.types import Indices, Points, Vector
-from lpcompare_baselines._heap import pop, settle
+from lpcompare_baselines._heap import heap_of, pop, settle
 from lpcompare_baselines._hoods import normals_and_variation
 
 _STEEPEST = 0.5
@@ -168,9 +168,8 @@ def _march_all(starts, neighbors, lengths, firsts, target_count):
         order[at] = firsts[at]
         _march(firsts[at], starts, neighbors, lengths, distances, heap, place)
     # distances only shrink: an entry of the second heap is brought up to date when it comes to the top
-    far, far_place, keys = np.arange(n), np.arange(n), -distances
-    for at in range(n):
-        settle(at, far, at + 1, far_place, keys)
+    keys = -distances
+    far, far_place = heap_of(keys)
     size = n
     chosen = np.zeros(n, np.bool_)
     chosen[order[:n_firsts]] = True

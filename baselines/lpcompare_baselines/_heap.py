@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 from numba import njit
 
 
@@ -37,6 +38,15 @@ def settle(at, heap, size, place, keys):
         at = child
     heap[at] = row
     place[row] = at
+
+
+@njit("Tuple((i8[::1], i8[::1]))(f8[::1])", cache=True)
+def heap_of(keys):
+    """A heap of all rows, and the position of each row in it."""
+    heap, place = np.arange(len(keys)), np.arange(len(keys))
+    for at in range(len(keys)):
+        settle(at, heap, at + 1, place, keys)
+    return heap, place
 
 
 @njit("i8(i8[::1], i8, i8[::1], f8[::1])", cache=True)

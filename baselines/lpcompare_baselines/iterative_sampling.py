@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from lpcompare.geometry.graphs import nearest_others
 from lpcompare.types import Indices, Points, Simplification, Traits, Vector
-from lpcompare_baselines._growing_heap import heap_of, pop, sink
+from lpcompare_baselines._heap import heap_of, pop, settle
 from lpcompare_baselines._orders import copies_last, first_of
 
 TRAITS = Traits(
@@ -73,7 +73,8 @@ def removal_order(points: Points) -> Indices:
 def _remove(squared: NDArray[np.float64], near: NDArray[np.intp], charged: Vector) -> Indices:
     """Steps 2 and 3 until a list of neighbours has run out, or one point is left: the rows removed."""
     n, n_listed = near.shape
-    keys = squared[:, 0] + charged
+    last = n - 1  # the heap gives the lower of equal entries first: row i is its entry last - i
+    keys = (squared[:, 0] + charged)[::-1].copy()
     heap, places = heap_of(keys)
     following, is_gone = np.zeros(n, np.intp), np.zeros(n, np.bool_)
     waiting, next_waiting = np.full(n, -1), np.full(n, -1)
@@ -81,12 +82,12 @@ def _remove(squared: NDArray[np.float64], near: NDArray[np.intp], charged: Vecto
         next_waiting[row], waiting[near[row, 0]] = waiting[near[row, 0]], row
     gone = np.empty(n - 1, np.intp)
     for step in range(n - 1):
-        row = pop(heap, places, keys, n - step)
+        row = last - pop(heap, n - step, places, keys)
         gone[step], is_gone[row] = row, True
         nearest, size = near[row, following[row]], n - step - 1
-        charged[nearest] += keys[row]
-        keys[nearest] += keys[row]
-        sink(heap, places, keys, places[nearest], size)
+        charged[nearest] += keys[last - row]
+        keys[last - nearest] += keys[last - row]
+        settle(places[last - nearest], heap, size, places, keys)
         other = waiting[row]
         while other >= 0:
             later = next_waiting[other]
@@ -96,8 +97,8 @@ def _remove(squared: NDArray[np.float64], near: NDArray[np.intp], charged: Vecto
                 if following[other] == n_listed:
                     return gone[: step + 1]
                 nearest = near[other, following[other]]
-                keys[other] = squared[other, following[other]] + charged[other]
-                sink(heap, places, keys, places[other], size)
+                keys[last - other] = squared[other, following[other]] + charged[other]
+                settle(places[last - other], heap, size, places, keys)
                 next_waiting[other], waiting[nearest] = waiting[nearest], other
             other = later
     return gone

@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from lpcompare.geometry.graphs import nearest_others
 from lpcompare.types import Indices, Points, Simplification, Traits, Vector
 from lpcompare_baselines._grid import CellGrid
-from lpcompare_baselines._growing_heap import heap_of, pop, sink
+from lpcompare_baselines._heap import heap_of, pop, settle
 from lpcompare_baselines._orders import copies_last, first_of
 
 TRAITS = Traits(
@@ -104,21 +104,23 @@ def _eliminate(
 ) -> Indices:
     """Steps 2 and 3 on points sorted by cube."""
     n = len(points)
+    last = n - 1  # the heap gives the lower of equal entries first: row i is its entry last - i
     slots, ends = np.arange(n), starts[1:].copy()
     near, terms, keys = np.empty(n, np.intp), np.empty(n), np.zeros(n)
     grid = cells, starts, ends, around, slots
     for row in range(n):
         n_near = _terms(points, grid, row, reach, least, near, terms)
-        keys[row] = -terms[:n_near].sum()
+        keys[last - row] = -terms[:n_near].sum()
     heap, places = heap_of(keys)
     gone = np.empty(n - n_left, np.intp)
     for step in range(n - n_left):
-        row = pop(heap, places, keys, n - step)
+        row = last - pop(heap, n - step, places, keys)
         gone[step] = row
         _leave(slots, starts, ends, cells[row], row)
         for other in range(_terms(points, grid, row, reach, least, near, terms)):
-            keys[near[other]] += terms[other]
-            sink(heap, places, keys, places[near[other]], n - step - 1)
+            entry = last - near[other]
+            keys[entry] += terms[other]
+            settle(places[entry], heap, n - step - 1, places, keys)
     return gone
 
 
