@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from lpcompare.large import clusters
 from lpcompare.large.clusters import tile_costs
 from lpcompare.large.job import Job
+from lpcompare.large.shares import largest_remainder
 from lpcompare.large.tiles import Run, tile_tasks
 from lpcompare.paper.budget import allocate_budget, split_budget
 from lpcompare.paper.certificate import DensityGoal
@@ -98,7 +99,7 @@ def share_budgets(job: Job) -> None:
         wanted = (
             _cheapest(job, counts["histogram"][:, c], int(chosen[c])) if job.method == "lp_printed" else left
         )
-        programs[:, c] = _capped(int(chosen[c]), wanted, left)
+        programs[:, c] = largest_remainder(int(chosen[c]), wanted, left)
     job.save("budgets", features=kept, programs=programs)
 
 
@@ -108,17 +109,6 @@ def _cheapest(job: Job, histogram: NDArray[np.intp], total: int) -> Indices:
     last = int(np.searchsorted(ahead, total))
     before = int(ahead[last - 1]) if last else 0
     return histogram[:, :last].sum(axis=1) + allocate_budget(total - before, histogram[:, last])
-
-
-def _capped(total: int, wanted: Indices, most: Indices) -> Indices:
-    """Share ``total`` in proportion to what is wanted, no part more than it has."""
-    shares = np.zeros_like(most)
-    while (missing := total - int(shares.sum())) > 0:
-        room = np.where(shares < most, np.maximum(wanted, 0), 0)
-        room = room if room.sum() else most - shares
-        more = allocate_budget(min(missing, int(room.sum())), room)
-        shares = np.minimum(shares + more, most)
-    return shares
 
 
 def choose(job: Job, tile: int) -> None:
