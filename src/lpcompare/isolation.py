@@ -66,20 +66,10 @@ def call_isolated(
     MethodError
         The method failed, crashed, or reached a limit.
     """
-    record = Record(
-        model=cloud.name or "cloud",
-        method=name,
-        reduction=0.0,
-        n_input=len(cloud),
-        target_count=target_count,
-        seed=0,
-        repeat=0,
-        status="failed",
-    )
     with temporary_folder() as folder:
         save_cloud(folder / "input.npz", cloud)
         request = Request(
-            record=record,
+            record=_asked(name, cloud, target_count),
             input=str(folder / "input.npz"),
             input_sha256=digest(cloud),
             output=str(folder / "output.npz"),
@@ -110,6 +100,20 @@ def call_isolated(
         runtime_s=record.runtime_s,
         calibration_s=record.calibration_s,
         note=record.message,
+    )
+
+
+def _asked(name: str, cloud: PointCloud, target_count: int) -> Record:
+    """The record of the call before it is made."""
+    return Record(
+        model=cloud.name or "cloud",
+        method=name,
+        reduction=0.0,
+        n_input=len(cloud),
+        target_count=target_count,
+        seed=0,
+        repeat=0,
+        status="failed",
     )
 
 

@@ -5,26 +5,25 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
+Callback = Callable[[str, int, int], None]
+
 
 @contextmanager
-def stage_bar(*, shown: bool) -> Iterator[Callable[[str, int, int], None]]:
-    """A callback that moves one bar per stage, with the time that is left.
-
-    Parameters
-    ----------
-    shown : bool
-        False for --quiet and where stderr is not a terminal.
-    """
+def stage_bar(*, hidden: bool) -> Iterator[Callback]:
+    """A callback that names the stage and its remaining time, where stderr is a terminal."""
     from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+    from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeRemainingColumn
 
-    columns = (TextColumn("{task.description}"), BarColumn(20), MofNCompleteColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=Console(stderr=True), disable=not shown, transient=True) as bar:
-        tasks: dict[str, int] = {}
+    console = Console(stderr=True)
+    columns = (SpinnerColumn(), TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
+    hidden = hidden or not console.is_terminal
+    with Progress(*columns, console=console, transient=True, disable=hidden) as progress:
+        task, shown = progress.add_task("starting", total=None), [""]
 
-        def tell(stage: str, done: int, total: int) -> None:
-            if stage not in tasks:
-                tasks[stage] = int(bar.add_task(stage, total=total))
-            bar.update(bar.task_ids[list(tasks).index(stage)], completed=done, total=total)
+        def callback(stage: str, done: int, total: int) -> None:
+            if stage != shown[0]:
+                progress.reset(task, description=stage)
+                shown[0] = stage
+            progress.update(task, completed=done, total=total or None)
 
-        yield tell
+        yield callback

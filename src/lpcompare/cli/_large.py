@@ -3,19 +3,26 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
-from typing import Any
+from typing import Annotated, Any
 
 import typer
 
+from lpcompare.cli._bar import Callback
 from lpcompare.cli._say import complain, say
 
-Callback = Callable[[str, int, int], None]
 INTERRUPTED = 130
+Memory = Annotated[
+    str | None, typer.Option(help="Memory of all processes, such as 4GiB; by default half of what is free.")
+]
+Workers = Annotated[int, typer.Option(help="Processes for the tiles (Dask); 0 is none.")]
+Scheduler = Annotated[
+    str | None, typer.Option(metavar="ADDRESS", help="A running Dask scheduler, such as tcp://host:8786.")
+]
 _UNITS = {"": 0, "K": 10, "M": 20, "G": 30, "T": 40}
 
 

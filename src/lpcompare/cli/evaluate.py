@@ -2,36 +2,33 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from lpcompare.cli._bar import stage_bar
-from lpcompare.cli._large import INTERRUPTED, Large, parse_size, some_cluster
+from lpcompare.cli._large import INTERRUPTED, Large, Memory, Scheduler, Workers, parse_size, some_cluster
 from lpcompare.cli._say import say
+
+Paths = Annotated[
+    list[str],
+    typer.Argument(metavar="ORIGINAL... REDUCED", help="The files as they were, and the thinned one."),
+]
+Tiles = Annotated[int | None, typer.Option(help="Tiles on disk; by default as memory allows.")]
+Spill = Annotated[Path | None, typer.Option(help="Folder for the tiles, by default beside REDUCED.")]
+Quiet = Annotated[bool, typer.Option("--quiet", help="No progress.")]
 
 
 def command(
-    paths: Annotated[
-        list[str],
-        typer.Argument(metavar="ORIGINAL... REDUCED", help="The files as they were, and the thinned one."),
-    ],
+    paths: Paths,
     *,
-    tiles: Annotated[int | None, typer.Option(help="Tiles on disk; by default as memory allows.")] = None,
-    memory: Annotated[
-        str | None,
-        typer.Option(help="Memory of all processes, such as 4GiB; by default half of what is free."),
-    ] = None,
-    spill: Annotated[
-        Path | None, typer.Option(help="Folder for the tiles, by default beside REDUCED.")
-    ] = None,
-    workers: Annotated[int, typer.Option(help="Processes for the tiles (Dask); 0 is none.")] = 0,
-    scheduler: Annotated[
-        str | None, typer.Option(metavar="ADDRESS", help="A running Dask scheduler, such as tcp://host:8786.")
-    ] = None,
-    quiet: Annotated[bool, typer.Option("--quiet", help="No progress.")] = False,
+    tiles: Tiles = None,
+    memory: Memory = None,
+    spill: Spill = None,
+    workers: Workers = 0,
+    scheduler: Scheduler = None,
+    quiet: Quiet = False,
 ) -> None:
     """Measure what a thinned cloud has lost.
 
@@ -47,7 +44,7 @@ def command(
     Large(tiles, memory, spill, False, workers, scheduler).check()
     with (
         some_cluster(workers, scheduler) as client,
-        stage_bar(shown=sys.stderr.isatty() and not quiet) as callback,
+        stage_bar(hidden=quiet) as callback,
     ):
         try:
             values = evaluate_files(

@@ -25,85 +25,93 @@ EXIT_NOT_ALL_OK = 1
 EXIT_STOPPED = 130
 Many = list[str] | None
 
+Model = Annotated[
+    Many,
+    typer.Option(
+        "--model", metavar="NAME", help="A name, or a file. May be repeated.", autocompletion=_complete.models
+    ),
+]
+Method = Annotated[
+    Many,
+    typer.Option(
+        "--method",
+        metavar="NAME",
+        help="May be repeated; 'all': every one installed. Default: 17.",
+        autocompletion=_complete.methods_or_all,
+    ),
+]
+Reduction = Annotated[
+    list[float] | None,
+    typer.Option("--reduction", metavar="SHARE", help="Share removed. Default: 0.7, 0.8, 0.9."),
+]
+Repeats = Annotated[int | None, typer.Option(help="Runs of each case, interleaved. Default: 1.")]
+Seed = Annotated[list[int] | None, typer.Option("--seed", metavar="N", help="May be repeated. Default: 0.")]
+Assignments = Annotated[
+    Many,
+    typer.Option(
+        "--set",
+        metavar="METHOD.NAME=VALUE",
+        help="A setting of a method.",
+        autocompletion=_complete.method_settings,
+    ),
+]
+Metric = Annotated[
+    Many,
+    typer.Option(
+        "--metric",
+        metavar="NAME",
+        help="A slow metric beside the quick ones, or 'all'.",
+        autocompletion=_complete.slow_metrics,
+    ),
+]
+Study = Annotated[
+    str,
+    typer.Option(
+        metavar="FILE|PRESET",
+        autocompletion=_complete.studies,
+        help="A TOML file, or: smoke, default, paper, robustness, clusters, scaling, methods.",
+    ),
+]
+Protocol = Annotated[
+    str | None, typer.Option(help="equal-count (default) or as-printed.", autocompletion=_complete.protocols)
+]
+Refine = Annotated[bool | None, typer.Option("--refine", help="Refine every result that is a subset.")]
+Out = Annotated[Path | None, typer.Option(help="Folder of the run. Default: reports/local/<time>-<name>.")]
+TimeLimit = Annotated[float | None, typer.Option(help="Seconds of a case. Default: 300.")]
+MemoryLimit = Annotated[
+    int | None, typer.Option(help="MiB of a case. Default: three quarters of the machine's.")
+]
+Threads = Annotated[int | None, typer.Option(help="Threads of a case. Default: all processors.")]
+Jobs = Annotated[int, typer.Option(help="Cases at once; above 1 the runtimes are unreliable.")]
+Resume = Annotated[bool, typer.Option("--resume", help="Continue the run in --out; finished cases are kept.")]
+Strict = Annotated[
+    bool, typer.Option("--strict", help="Refuse models with points that have no finite coordinates.")
+]
+DryRun = Annotated[bool, typer.Option("--dry-run", help="Print the plan and stop.")]
+Quiet = Annotated[bool, typer.Option("--quiet", help="No progress.")]
+
 
 def command(
     *,
-    model: Annotated[
-        Many,
-        typer.Option(
-            "--model",
-            metavar="NAME",
-            help="A name, or a file. May be repeated.",
-            autocompletion=_complete.models,
-        ),
-    ] = None,
-    method: Annotated[
-        Many,
-        typer.Option(
-            "--method",
-            metavar="NAME",
-            help="May be repeated; 'all': every one installed. Default: 17.",
-            autocompletion=_complete.methods_or_all,
-        ),
-    ] = None,
-    reduction: Annotated[
-        list[float] | None,
-        typer.Option("--reduction", metavar="SHARE", help="Share removed. Default: 0.7, 0.8, 0.9."),
-    ] = None,
-    repeats: Annotated[int | None, typer.Option(help="Runs of each case, interleaved. Default: 1.")] = None,
-    seed: Annotated[
-        list[int] | None, typer.Option("--seed", metavar="N", help="May be repeated. Default: 0.")
-    ] = None,
-    assignments: Annotated[
-        Many,
-        typer.Option(
-            "--set",
-            metavar="METHOD.NAME=VALUE",
-            help="A setting of a method.",
-            autocompletion=_complete.method_settings,
-        ),
-    ] = None,
-    metric: Annotated[
-        Many,
-        typer.Option(
-            "--metric",
-            metavar="NAME",
-            help="A slow metric beside the quick ones, or 'all'.",
-            autocompletion=_complete.slow_metrics,
-        ),
-    ] = None,
-    study: Annotated[
-        str,
-        typer.Option(
-            metavar="FILE|PRESET",
-            autocompletion=_complete.studies,
-            help="A TOML file, or: smoke, default, paper, robustness, clusters, scaling, methods.",
-        ),
-    ] = "",
-    protocol: Annotated[
-        str | None,
-        typer.Option(help="equal-count (default) or as-printed.", autocompletion=_complete.protocols),
-    ] = None,
-    refine: Annotated[
-        bool | None, typer.Option("--refine", help="Refine every result that is a subset.")
-    ] = None,
-    out: Annotated[
-        Path | None, typer.Option(help="Folder of the run. Default: reports/local/<time>-<name>.")
-    ] = None,
-    time_limit: Annotated[float | None, typer.Option(help="Seconds of a case. Default: 300.")] = None,
-    memory_limit: Annotated[
-        int | None, typer.Option(help="MiB of a case. Default: three quarters of the machine's.")
-    ] = None,
-    threads: Annotated[int | None, typer.Option(help="Threads of a case. Default: all processors.")] = None,
-    jobs: Annotated[int, typer.Option(help="Cases at once; above 1 the runtimes are unreliable.")] = 1,
-    resume: Annotated[
-        bool, typer.Option("--resume", help="Continue the run in --out; finished cases are kept.")
-    ] = False,
-    strict: Annotated[
-        bool, typer.Option("--strict", help="Refuse models with points that have no finite coordinates.")
-    ] = False,
-    dry_run: Annotated[bool, typer.Option("--dry-run", help="Print the plan and stop.")] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", help="No progress.")] = False,
+    model: Model = None,
+    method: Method = None,
+    reduction: Reduction = None,
+    repeats: Repeats = None,
+    seed: Seed = None,
+    assignments: Assignments = None,
+    metric: Metric = None,
+    study: Study = "",
+    protocol: Protocol = None,
+    refine: Refine = None,
+    out: Out = None,
+    time_limit: TimeLimit = None,
+    memory_limit: MemoryLimit = None,
+    threads: Threads = None,
+    jobs: Jobs = 1,
+    resume: Resume = False,
+    strict: Strict = False,
+    dry_run: DryRun = False,
+    quiet: Quiet = False,
 ) -> None:
     """Compare methods: errors, runtimes, a page.
 

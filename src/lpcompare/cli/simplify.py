@@ -6,7 +6,7 @@ import glob
 import os
 import shutil
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,7 +16,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from lpcompare.cli import _complete
-from lpcompare.cli._large import Large, simplify_large
+from lpcompare.cli._bar import Callback, stage_bar
+from lpcompare.cli._large import Large, Memory, Scheduler, Workers, simplify_large
 from lpcompare.cli._say import complain, say
 
 if TYPE_CHECKING:
@@ -30,8 +31,6 @@ _FACES_LEFT_OUT = "the result is a cloud, so that faces are left out"
 _MOVED = "points were moved, so that only coordinates are written"
 _JUDGED = 20_000
 """Original points at which the error of the report line is measured."""
-
-Callback = Callable[[str, int, int], None]
 
 
 @dataclass(frozen=True)
@@ -50,75 +49,86 @@ class _Order:
     evaluate: bool
 
 
+Paths = Annotated[
+    list[str],
+    typer.Argument(
+        metavar="IN... OUT", help="Files to thin, and where to write: a file, '-' (PLY), or a folder."
+    ),
+]
+Reduction = Annotated[float | None, typer.Option(help="Share of the points to remove.")]
+Count = Annotated[int | None, typer.Option(help="Points to keep.")]
+MaxError = Annotated[
+    float | None, typer.Option(help="Largest plane error, % of the diagonal; keeps as few as allowed.")
+]
+Tolerance = Annotated[float | None, typer.Option(help="The same in the file's unit of length.")]
+Statistic = Annotated[
+    str, typer.Option(help="What the two bound: mean, p95 or max.", autocompletion=_complete.statistics)
+]
+Method = Annotated[str, typer.Option(help="See lpcompare list methods.", autocompletion=_complete.methods)]
+Assignments = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set", metavar="NAME=VALUE", help="A setting of the method.", autocompletion=_complete.settings
+    ),
+]
+Refine = Annotated[bool, typer.Option("--refine", help="Swap points afterwards for less error.")]
+Rank = Annotated[bool, typer.Option("--order", help="Write the rank of each point (progressive methods).")]
+Strict = Annotated[
+    bool, typer.Option("--strict", help="Refuse points without coordinates; else they are left out.")
+]
+DropOutliers = Annotated[
+    float | None,
+    typer.Option(
+        metavar="DEVIATIONS",
+        help="Leave out points that lie alone by so many standard deviations; 2 is usual.",
+    ),
+]
+Evaluate = Annotated[bool, typer.Option("--evaluate", help="Print every quick metric in full.")]
+Seed = Annotated[int, typer.Option(help="Seed of every random draw.")]
+Isolate = Annotated[bool, typer.Option("--isolate", help="Call the method in a child process.")]
+TimeLimit = Annotated[
+    float | None, typer.Option(help="Seconds after which a file is given up; implies --isolate.")
+]
+MemoryLimit = Annotated[int | None, typer.Option(help="MiB that the method may use; implies --isolate.")]
+Tiles = Annotated[
+    int | None,
+    typer.Option(
+        help="Work in so many tiles on disk, all inputs as one cloud; by itself where memory is short."
+    ),
+]
+Spill = Annotated[Path | None, typer.Option(help="Folder for the tiles, by default beside OUT.")]
+Resume = Annotated[bool, typer.Option("--resume", help="Continue from finished tiles.")]
+Force = Annotated[bool, typer.Option("--force", help="Allow OUT to be an input.")]
+Quiet = Annotated[bool, typer.Option("--quiet", help="No progress and no report.")]
+
+
 def command(
-    paths: Annotated[
-        list[str],
-        typer.Argument(
-            metavar="IN... OUT", help="Files to thin, and where to write: a file, '-' (PLY), or a folder."
-        ),
-    ],
+    paths: Paths,
     *,
-    reduction: Annotated[float | None, typer.Option(help="Share of the points to remove.")] = None,
-    count: Annotated[int | None, typer.Option(help="Points to keep.")] = None,
-    max_error: Annotated[
-        float | None,
-        typer.Option(help="Largest plane error, % of the diagonal; keeps as few as allowed."),
-    ] = None,
-    tolerance: Annotated[float | None, typer.Option(help="The same in the file's unit of length.")] = None,
-    statistic: Annotated[
-        str, typer.Option(help="What the two bound: mean, p95 or max.", autocompletion=_complete.statistics)
-    ] = "mean",
-    method: Annotated[
-        str, typer.Option(help="See lpcompare list methods.", autocompletion=_complete.methods)
-    ] = "lp_uniform",
-    assignments: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--set", metavar="NAME=VALUE", help="A setting of the method.", autocompletion=_complete.settings
-        ),
-    ] = None,
-    refine: Annotated[bool, typer.Option("--refine", help="Swap points afterwards for less error.")] = False,
-    rank: Annotated[
-        bool, typer.Option("--order", help="Write the rank of each point (progressive methods).")
-    ] = False,
-    strict: Annotated[
-        bool,
-        typer.Option("--strict", help="Refuse points without coordinates; else they are left out."),
-    ] = False,
-    drop_outliers: Annotated[
-        float | None,
-        typer.Option(
-            metavar="DEVIATIONS",
-            help="Leave out points that lie alone by so many standard deviations; 2 is usual.",
-        ),
-    ] = None,
-    evaluate: Annotated[bool, typer.Option("--evaluate", help="Print every quick metric in full.")] = False,
-    seed: Annotated[int, typer.Option(help="Seed of every random draw.")] = 0,
-    isolate: Annotated[bool, typer.Option("--isolate", help="Call the method in a child process.")] = False,
-    time_limit: Annotated[
-        float | None, typer.Option(help="Seconds after which a file is given up; implies --isolate.")
-    ] = None,
-    memory_limit: Annotated[
-        int | None, typer.Option(help="MiB that the method may use; implies --isolate.")
-    ] = None,
-    tiles: Annotated[
-        int | None,
-        typer.Option(
-            help="Work in so many tiles on disk, all inputs as one cloud; by itself where memory is short."
-        ),
-    ] = None,
-    memory: Annotated[
-        str | None,
-        typer.Option(help="Memory of all processes, such as 4GiB; by default half of what is free."),
-    ] = None,
-    spill: Annotated[Path | None, typer.Option(help="Folder for the tiles, by default beside OUT.")] = None,
-    resume: Annotated[bool, typer.Option("--resume", help="Continue from finished tiles.")] = False,
-    workers: Annotated[int, typer.Option(help="Processes for the tiles (Dask); 0 is none.")] = 0,
-    scheduler: Annotated[
-        str | None, typer.Option(metavar="ADDRESS", help="A running Dask scheduler, such as tcp://host:8786.")
-    ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Allow OUT to be an input.")] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", help="No progress and no report.")] = False,
+    reduction: Reduction = None,
+    count: Count = None,
+    max_error: MaxError = None,
+    tolerance: Tolerance = None,
+    statistic: Statistic = "mean",
+    method: Method = "lp_uniform",
+    assignments: Assignments = None,
+    refine: Refine = False,
+    rank: Rank = False,
+    strict: Strict = False,
+    drop_outliers: DropOutliers = None,
+    evaluate: Evaluate = False,
+    seed: Seed = 0,
+    isolate: Isolate = False,
+    time_limit: TimeLimit = None,
+    memory_limit: MemoryLimit = None,
+    tiles: Tiles = None,
+    memory: Memory = None,
+    spill: Spill = None,
+    resume: Resume = False,
+    workers: Workers = 0,
+    scheduler: Scheduler = None,
+    force: Force = False,
+    quiet: Quiet = False,
 ) -> None:
     """Thin point clouds and keep their attributes.
 
@@ -126,7 +136,6 @@ def command(
     """
     from lpcompare.checks import check_integer
     from lpcompare.cli._settings import parse_assignments
-    from lpcompare.errors import LpcompareError
     from lpcompare.registry import METHODS
 
     METHODS.traits(method)
@@ -145,18 +154,29 @@ def command(
     )
     large = Large(tiles, memory, spill, resume, workers, scheduler)
     large.check()
-    together = large.wanted(paths[:-1], paths[-1])
-    pairs = [] if together else _pairs(paths, force=force)
+    _simplify_all(paths, order, large, force=force, quiet=quiet)
+
+
+def _simplify_all(paths: list[str], order: _Order, large: Large, *, force: bool, quiet: bool) -> None:
+    """Thin all inputs as one cloud where that is wanted, else each of them."""
+    if not large.wanted(paths[:-1], paths[-1]):
+        _simplify_each(_pairs(paths, force=force), order, large, quiet=quiet)
+        return
+    with stage_bar(hidden=quiet) as callback:
+        report = _in_tiles(paths[:-1], paths[-1], order, large, callback)
+    if not quiet:
+        say(report)
+
+
+def _simplify_each(pairs: list[tuple[Path, Path | str]], order: _Order, large: Large, *, quiet: bool) -> None:
+    """Thin file after file; where there are several, one that fails does not stop the others."""
+    from lpcompare.errors import LpcompareError
+
     failed = False
-    if together:
-        with _stages(hidden=quiet) as callback:
-            report = _in_tiles(paths[:-1], paths[-1], order, large, callback)
-        if not quiet:
-            say(report)
     for source, target in pairs:
         try:
-            with _stages(hidden=quiet) as callback:
-                if isinstance(target, Path) and large.needed(source, method):
+            with stage_bar(hidden=quiet) as callback:
+                if isinstance(target, Path) and large.needed(source, order.method):
                     report = _in_tiles([str(source)], str(target), order, large, callback)
                 else:
                     report = _simplify_file(source, target, order, callback)
@@ -425,24 +445,3 @@ def _folder(out: str) -> Path:
 
 def _same(target: Path, source: Path) -> bool:
     return target.exists() and source.exists() and os.path.samefile(target, source)
-
-
-@contextmanager
-def _stages(*, hidden: bool) -> Iterator[Callback]:
-    """A line on stderr that names the stage and its remaining time, where stderr is a terminal."""
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeRemainingColumn
-
-    console = Console(stderr=True)
-    columns = (SpinnerColumn(), TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
-    hidden = hidden or not console.is_terminal
-    with Progress(*columns, console=console, transient=True, disable=hidden) as progress:
-        task, shown = progress.add_task("starting", total=None), [""]
-
-        def callback(stage: str, done: int, total: int) -> None:
-            if stage != shown[0]:
-                progress.reset(task, description=stage)
-                shown[0] = stage
-            progress.update(task, completed=done, total=total or None)
-
-        yield callback
