@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from lpcompare.children import Children
+from lpcompare.processes.children import Children
 
 SHARED = Path(__file__).resolve().parents[2] / "shared" / "models"
 

@@ -18,7 +18,7 @@ import pandas as pd
 
 import lpcompare as lp
 from lpcompare.geometry.neighbors import Neighbors
-from lpcompare.large.tiles import tile_of
+from lpcompare.tiles.tiles import tile_of
 
 HERE = Path(__file__).parent
 METRICS = ("plane_error", "surface_distance", "hausdorff", "normal_deviation")

@@ -18,7 +18,7 @@ from lpcompare.registry import METHODS, Seed, call
 from lpcompare.types import PointCloud, Simplification
 
 if TYPE_CHECKING:
-    from lpcompare.isolation import Limits
+    from lpcompare.benchmark.isolation import Limits
 
 
 def simplify(
@@ -124,7 +124,7 @@ def simplify(
     def reduce(count: int) -> Simplification:
         if limits is None and not METHODS.traits(method).own_process:
             return call(method, cloud, count, random_state=random_state, settings=settings, callback=callback)
-        from lpcompare.isolation import Limits, call_isolated
+        from lpcompare.benchmark.isolation import Limits, call_isolated
 
         return call_isolated(
             method, cloud, count, random_state=random_state, settings=settings, limits=limits or Limits()

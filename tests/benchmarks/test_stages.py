@@ -21,8 +21,8 @@ from lpcompare.uniform.clusters import (
     solve_programs,
     spread_points,
 )
-from lpcompare.uniform.placement import place_points
 from lpcompare.uniform.program import Stop
+from lpcompare.uniform.quadrics import place_points
 from lpcompare.uniform.rims import find_rims
 from lpcompare.uniform.swaps import EMPHASES
 

@@ -13,8 +13,8 @@ import pytest
 from lpcompare.benchmark.case import Answer, Request, _last_answer
 from lpcompare.benchmark.record import Record, line_of, load_run
 from lpcompare.benchmark.study import build_plan, preset_names, read_study
-from lpcompare.children import Ending
 from lpcompare.errors import LpcompareError
+from lpcompare.processes.children import Ending
 from lpcompare.report.comparison import format_comparison
 from lpcompare.report.tables import format_run
 

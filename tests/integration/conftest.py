@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lpcompare.children import Children
+from lpcompare.processes.children import Children
 
 PLUGINS = Path(__file__).resolve().parents[1] / "plugins"
 

@@ -11,8 +11,8 @@ from pathlib import Path
 import psutil
 import pytest
 
-from lpcompare import children
-from lpcompare.children import Children, Stopped, clean_environment, python, temporary_folder
+from lpcompare.processes import children
+from lpcompare.processes.children import Children, Stopped, clean_environment, python, temporary_folder
 
 DAEMON = (
     "import os, time\nif not os.fork():\n os.setsid()\n if not os.fork(): time.sleep(600)\n os._exit(0)\n"
@@ -84,7 +84,7 @@ def test_what_processes_share_is_counted_once(tmp_path):
 def test_a_lower_limit_is_never_raised(tmp_path):
     code = (
         "import resource; resource.setrlimit(resource.RLIMIT_DATA, (300 << 20,) * 2)\n"
-        "from lpcompare.guard import limit_memory; limit_memory(100_000)\n"
+        "from lpcompare.processes.guard import limit_memory; limit_memory(100_000)\n"
         "print(resource.getrlimit(resource.RLIMIT_DATA)[0] >> 20)"
     )
     assert run(code, tmp_path).answer == "300\n"
@@ -118,7 +118,7 @@ def test_after_the_end_of_the_parent_nothing_is_left(tmp_path, number):
     started = tmp_path / "started"
     code = f"{DAEMON}open({str(started)!r}, 'w').close()\nwhile True: time.sleep(1)"
     parent = (
-        "from pathlib import Path; from lpcompare.children import Children, python\n"
+        "from pathlib import Path; from lpcompare.processes.children import Children, python\n"
         f"Children().run(python('-c', {code!r}), Path({str(tmp_path)!r}), time_limit_s=60,"
         "memory_limit_mib=500)"
     )
@@ -157,7 +157,7 @@ def test_stop_ends_those_who_wait(tmp_path):
 def test_folders_of_killed_processes_are_removed_and_those_of_others_stay(tmp_path, monkeypatch):
     monkeypatch.setattr(children.tempfile, "tempdir", str(tmp_path))
     hold = (
-        "import time, tempfile; tempfile.tempdir = {!r}\nfrom lpcompare.children import temporary_folder\n"
+        "import time, tempfile; tempfile.tempdir = {!r}\nfrom lpcompare.processes.children import temporary_folder\n"
         "with temporary_folder() as folder: print(folder, flush=True); time.sleep(60)"
     )
     words = [sys.executable, "-P", "-c", hold.format(str(tmp_path))]

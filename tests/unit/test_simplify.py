@@ -97,7 +97,7 @@ def test_stages_are_reported():
 
 
 def test_a_child_process_gives_the_same_points():
-    from lpcompare.isolation import Limits
+    from lpcompare.benchmark.isolation import Limits
 
     here = lpcompare.simplify(POINTS, target_count=30, method="lp_density", random_state=4)
     there = lpcompare.simplify(POINTS, target_count=30, method="lp_density", random_state=4, limits=Limits())

@@ -10,8 +10,8 @@ from pathlib import Path
 import msgspec
 
 from lpcompare.benchmark.record import Facts, Record
-from lpcompare.children import Children, Ending
 from lpcompare.files import CONTINUE, writing
+from lpcompare.processes.children import Children, Ending
 
 WORKER = "lpcompare.benchmark.worker"
 """The module whose ``main`` runs a case in a child process."""

@@ -14,8 +14,8 @@ from typing import Any
 
 import psutil
 
-from lpcompare.children import Children, thread_environment
 from lpcompare.errors import printable
+from lpcompare.processes.children import Children, thread_environment
 from lpcompare.registry import METHODS
 from lpcompare.types import Traits
 

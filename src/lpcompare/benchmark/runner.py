@@ -21,9 +21,9 @@ from lpcompare.benchmark.resume import case_key, earlier_run, reusable
 from lpcompare.benchmark.run_folder import Input, RunFolder, file_name, sole_writer
 from lpcompare.benchmark.study import build_plan, check_study
 from lpcompare.checks import check_points, target_from_reduction, valid_rows
-from lpcompare.children import Children, remove_left_folders, temporary_folder
 from lpcompare.errors import InputError
 from lpcompare.interplay import read_object
+from lpcompare.processes.children import Children, remove_left_folders, temporary_folder
 from lpcompare.registry import METHODS
 from lpcompare.types import PointCloud
 

@@ -27,11 +27,11 @@ from lpcompare.benchmark.environment import library
 from lpcompare.benchmark.record import Record
 from lpcompare.benchmark.run_folder import file_digest
 from lpcompare.benchmark.timing import OtherPrograms, peak_memory_mib, reference_seconds, timed
-from lpcompare.children import answer_stream
 from lpcompare.errors import InputError, LpcompareError, MethodError, NotApplicable, Unavailable, printable
-from lpcompare.guard import PR_SET_PDEATHSIG, prctl
 from lpcompare.io.arrays import digest, load_cloud, save_arrays
 from lpcompare.metrics.comparison import Comparison
+from lpcompare.processes.children import answer_stream
+from lpcompare.processes.guard import PR_SET_PDEATHSIG, prctl
 from lpcompare.registry import METHODS, METRICS, Invocation, call
 from lpcompare.types import PointCloud, Simplification, Traits
 

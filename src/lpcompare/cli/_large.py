@@ -49,8 +49,8 @@ class Large:
 
     def wanted(self, inputs: list[str], out: str) -> bool:
         """Whether an option, a URL, or one file for several inputs asks for this path."""
-        from lpcompare.large.fetch import is_url
-        from lpcompare.large.streams import STREAMS
+        from lpcompare.tiles.fetch import is_url
+        from lpcompare.tiles.streams import STREAMS
 
         if len(inputs) > 1 and Path(out).suffix.lower() in STREAMS and not Path(out).is_dir():
             return True
@@ -69,8 +69,8 @@ class Large:
         """Whether a file would not fit into memory, and can be read in parts."""
         from lpcompare.errors import InputError
         from lpcompare.large.estimate import in_memory_bytes
-        from lpcompare.large.streams import STREAMS, count_points
         from lpcompare.registry import METHODS
+        from lpcompare.tiles.streams import STREAMS, count_points
 
         if path.suffix.lower() not in STREAMS or not path.is_file() or not METHODS.traits(method).in_tiles:
             return False

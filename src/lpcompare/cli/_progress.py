@@ -20,7 +20,7 @@ _STARTS, _STARTS_PER_POINT = 2.0, 7e-5
 
 def start_seconds() -> float:
     """Seconds on the wall clock until a process has imported what every case needs, as things are now."""
-    from lpcompare.children import clean_environment, python
+    from lpcompare.processes.children import clean_environment, python
 
     modules = "lpcompare.benchmark.worker, lpcompare.metrics.comparison"
     began = perf_counter()

@@ -23,7 +23,7 @@ from lpcompare.cli._say import complain, say
 if TYPE_CHECKING:
     import numpy as np
 
-    from lpcompare.isolation import Limits
+    from lpcompare.benchmark.isolation import Limits
     from lpcompare.types import PointCloud, Simplification
 
 STANDARD_OUTPUT = "-"
@@ -241,8 +241,8 @@ def _how_far(
 
 def _limits(time_limit: float | None, memory_limit: int | None, *, isolate: bool) -> Limits | None:
     """The limits of a child process, or None where none is asked for."""
+    from lpcompare.benchmark.isolation import Limits
     from lpcompare.checks import check_integer, check_number
-    from lpcompare.isolation import Limits
 
     if time_limit is None and memory_limit is None and not isolate:
         return None
@@ -385,7 +385,7 @@ def _output(target: Path | str) -> Iterator[Path]:
     if isinstance(target, Path):
         yield target
         return
-    from lpcompare.children import temporary_folder
+    from lpcompare.processes.children import temporary_folder
 
     with temporary_folder() as folder:
         path = folder / "cloud.ply"

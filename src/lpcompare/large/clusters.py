@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 
 from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.geometry.surface import Surface, estimate_surface
-from lpcompare.large.job import Job
-from lpcompare.large.tiles import Around, Run, around, normalized, spilling, take, tile_tasks
 from lpcompare.paper.cluster_count import AUTO, check_n_clusters, choose_n_clusters
 from lpcompare.paper.clustering import Mixture, assign, cluster_points
 from lpcompare.paper.curvature import Curvature
 from lpcompare.paper.density import NEAREST
+from lpcompare.tiles.job import Job
+from lpcompare.tiles.tiles import Around, Run, around, normalized, spilling, take, tile_tasks
 from lpcompare.types import Indices, Points, Vector
 
 _PROBED = 4096

@@ -20,13 +20,13 @@ from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.geometry.planes import fit_planes, plane_distances
 from lpcompare.geometry.scale import bounding_box_center
 from lpcompare.large.estimate import check_disk, estimate
-from lpcompare.large.fetch import local_files
-from lpcompare.large.job import Job
 from lpcompare.large.simplify_files import some_client, spill_folder, spilling_folder
-from lpcompare.large.streams import count_points
-from lpcompare.large.tasks import Executor
-from lpcompare.large.tiles import Run, distances_to_box, reading, spilling, take, tile_tasks, within
 from lpcompare.progress import Callback
+from lpcompare.tiles.fetch import local_files
+from lpcompare.tiles.job import Job
+from lpcompare.tiles.streams import count_points
+from lpcompare.tiles.tasks import Executor
+from lpcompare.tiles.tiles import Run, distances_to_box, reading, spilling, take, tile_tasks, within
 from lpcompare.types import Points, Vector
 
 _SIZES = (6, 8, 12)

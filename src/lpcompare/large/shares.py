@@ -7,7 +7,7 @@ import numpy as np
 from lpcompare.types import Indices, Vector
 
 
-def largest_remainder(total: int, weights: Vector, most: Indices) -> Indices:
+def largest_remainder(total: int, weights: Vector | Indices, most: Indices) -> Indices:
     """Share ``total`` in proportion to weights, none above its limit.
 
     Parameters

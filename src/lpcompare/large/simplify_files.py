@@ -20,14 +20,14 @@ from lpcompare.files import replace_text
 from lpcompare.io import check_target as check_output
 from lpcompare.io import same_format
 from lpcompare.large.estimate import check_disk, estimate, used_mib
-from lpcompare.large.fetch import local_files
-from lpcompare.large.job import Job
-from lpcompare.large.output import write_kept
-from lpcompare.large.streams import count_points
-from lpcompare.large.tasks import Executor, Task
-from lpcompare.large.tiles import reading
 from lpcompare.progress import Callback, StageClock
 from lpcompare.registry import METHODS, call
+from lpcompare.tiles.fetch import local_files
+from lpcompare.tiles.job import Job
+from lpcompare.tiles.output import write_kept
+from lpcompare.tiles.streams import count_points
+from lpcompare.tiles.tasks import Executor, Task
+from lpcompare.tiles.tiles import reading
 from lpcompare.types import PointCloud
 
 TILED = {

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from lpcompare.geometry.scale import bounding_box_diagonal
-from lpcompare.large.job import Job
-from lpcompare.large.tiles import normalized
+from lpcompare.tiles.job import Job
+from lpcompare.tiles.tiles import normalized
 from lpcompare.types import Points, Vector
 from lpcompare.uniform.disks import SAMPLE, count_disks, disk_radius
 

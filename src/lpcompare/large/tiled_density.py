@@ -14,14 +14,14 @@ from numpy.typing import NDArray
 
 from lpcompare.large import clusters
 from lpcompare.large.clusters import tile_costs
-from lpcompare.large.job import Job
 from lpcompare.large.shares import largest_remainder
-from lpcompare.large.tiles import Run, tile_tasks
 from lpcompare.paper.budget import allocate_budget, split_budget
 from lpcompare.paper.certificate import DensityGoal
 from lpcompare.paper.features import above_means
 from lpcompare.paper.program import Program, SolverSettings, select
 from lpcompare.paper.start import one_per_stratum
+from lpcompare.tiles.job import Job
+from lpcompare.tiles.tiles import Run, tile_tasks
 from lpcompare.types import Indices, Mask
 
 _BINS = 4096

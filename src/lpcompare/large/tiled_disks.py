@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from lpcompare.large.job import Job
 from lpcompare.large.spacing import disk_counts, radius_of, trial_radii
-from lpcompare.large.tiles import (
+from lpcompare.tiles.job import Job
+from lpcompare.tiles.tiles import (
     Run,
     around,
     normalized,

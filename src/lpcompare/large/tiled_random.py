@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from lpcompare.large.job import Job
-from lpcompare.large.tiles import Run, block_tasks, uniform, valid_points
+from lpcompare.tiles.job import Job
+from lpcompare.tiles.tiles import Run, block_tasks, uniform, valid_points
 
 _STEPS = 53
 """Bits of a number."""

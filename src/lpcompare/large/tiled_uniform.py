@@ -22,8 +22,8 @@ from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.geometry.surface import Surface
 from lpcompare.large import clusters, weights
 from lpcompare.large.clusters import surface_of, surroundings, tile_costs
-from lpcompare.large.job import Job
-from lpcompare.large.tiles import (
+from lpcompare.tiles.job import Job
+from lpcompare.tiles.tiles import (
     Around,
     Run,
     distances_to_box,

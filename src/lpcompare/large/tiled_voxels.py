@@ -11,8 +11,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from lpcompare.large.job import Job
-from lpcompare.large.tiles import Run, around, spilling, take, tile_tasks
+from lpcompare.tiles.job import Job
+from lpcompare.tiles.tiles import Run, around, spilling, take, tile_tasks
 from lpcompare.types import Indices, Mask, Points
 from lpcompare_baselines._calibration import search_size, surface_spacing
 from lpcompare_baselines._cells import cell_means

@@ -9,10 +9,10 @@ from __future__ import annotations
 import numpy as np
 
 from lpcompare.large.clusters import surface_of, tile_costs
-from lpcompare.large.job import Job
 from lpcompare.large.shares import largest_remainder
 from lpcompare.large.spacing import disk_counts, radius_of, trial_radii
-from lpcompare.large.tiles import Run, normalized, tile_tasks, uniform
+from lpcompare.tiles.job import Job
+from lpcompare.tiles.tiles import Run, normalized, tile_tasks, uniform
 from lpcompare.types import Vector
 from lpcompare.uniform.cells import tilt_powers, weights_in
 

@@ -22,8 +22,8 @@ from lpcompare.uniform.clusters import (
     solve_programs,
     spread_points,
 )
-from lpcompare.uniform.placement import place_points
 from lpcompare.uniform.program import SpreadCertificate, Stop
+from lpcompare.uniform.quadrics import place_points
 from lpcompare.uniform.rims import Rims, surface_and_rims
 from lpcompare.uniform.swaps import EMPHASES
 

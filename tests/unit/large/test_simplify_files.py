@@ -10,9 +10,10 @@ import pytest
 import lpcompare
 from lpcompare.errors import InputError
 from lpcompare.io import read
-from lpcompare.large import job, simplify_files, tasks
+from lpcompare.large import simplify_files
 from lpcompare.large.simplify_files import TILED
 from lpcompare.registry import METHODS
+from lpcompare.tiles import job, tasks
 
 EXACT = ("lp_density", "lp_printed", "lp_uniform", "random_sample")
 

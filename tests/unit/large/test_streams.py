@@ -6,7 +6,7 @@ import pytest
 
 from lpcompare.errors import InputError
 from lpcompare.io import keep_rows, read, write
-from lpcompare.large.streams import STREAMS, count_points, note_on, read_rows, writer
+from lpcompare.tiles.streams import STREAMS, count_points, note_on, read_rows, writer
 from lpcompare.types import PointCloud
 
 ROWS = np.arange(0, 6000, 7)

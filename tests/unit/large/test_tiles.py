@@ -5,11 +5,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from lpcompare.large.colors import coloring, earlier
-from lpcompare.large.job import Job
 from lpcompare.large.shares import largest_remainder
-from lpcompare.large.tasks import Executor, Task
-from lpcompare.large.tiles import around, cut, distances_to_box, reading, spilling, tile_of, uniform
+from lpcompare.tiles.colors import coloring, earlier
+from lpcompare.tiles.job import Job
+from lpcompare.tiles.tasks import Executor, Task
+from lpcompare.tiles.tiles import around, cut, distances_to_box, reading, spilling, tile_of, uniform
 
 
 @given(

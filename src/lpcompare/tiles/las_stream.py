@@ -12,7 +12,7 @@ import numpy as np
 
 from lpcompare.io.las import check_header, keep_waveforms, largest_chunk, make_writable
 from lpcompare.io.rows import Damaged, check_held
-from lpcompare.large.streams import Append
+from lpcompare.tiles.streams import Append
 from lpcompare.types import Points
 
 

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from lpcompare.checks import check_magnitude, valid_rows
 from lpcompare.errors import InputError
 from lpcompare.geometry.scale import normalize
-from lpcompare.large.colors import coloring, earlier
-from lpcompare.large.job import Arrays, Block, Job
-from lpcompare.large.streams import read_rows
-from lpcompare.large.tasks import Task
+from lpcompare.tiles.colors import coloring, earlier
+from lpcompare.tiles.job import Arrays, Block, Job
+from lpcompare.tiles.streams import read_rows
+from lpcompare.tiles.tasks import Task
 from lpcompare.types import Indices, Points, Vector
 
 SAMPLE = 250_000

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from lpcompare.errors import InputError, LpcompareError
-from lpcompare.large.job import Job
 from lpcompare.progress import Callback
+from lpcompare.tiles.job import Job
 
 _RETRIES = 3
 

@@ -43,7 +43,7 @@ def stream(path: Path) -> ModuleType:
             f"{path} has the ending {path.suffix!r}, which is not read in parts; "
             f"convert it to one of {', '.join(STREAMS)}."
         )
-    return import_module(f"lpcompare.large.{STREAMS[path.suffix.lower()]}")
+    return import_module(f"lpcompare.tiles.{STREAMS[path.suffix.lower()]}")
 
 
 def count_points(path: Path) -> int:

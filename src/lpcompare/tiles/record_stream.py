@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from lpcompare.io import pcd, ply
 from lpcompare.io.columns import find_roles
 from lpcompare.io.rows import LONGEST_HEADER, Damaged, check_room
-from lpcompare.large.streams import Append
+from lpcompare.tiles.streams import Append
 from lpcompare.types import Points
 
 

@@ -2,8 +2,8 @@
 
 It starts the child and adopts all that the child's descendants leave behind. It watches their time and their
 memory, and ends every one of them when the child has ended, when a limit is reached, or when the process
-that asked for the child is gone, however that went. `lpcompare.children` runs it as a program;
-`lpcompare.nursery` forks it, and it forks the child.
+that asked for the child is gone, however that went. `lpcompare.processes.children` runs it as a program;
+`lpcompare.processes.nursery` forks it, and it forks the child.
 """
 
 import ctypes

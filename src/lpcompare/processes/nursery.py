@@ -1,7 +1,7 @@
 """The process that prepared children are forked from: it has imported once what each of them needs.
 
-`lpcompare.children` runs it as a program, on Linux. For each order it forks a guard (`lpcompare.guard`), and
-the guard forks the child. It ends when the process that started it is gone.
+`lpcompare.processes.children` runs it as a program, on Linux. For each order it forks a guard
+(`lpcompare.processes.guard`), and the guard forks the child. It ends when the process that started it is gone.
 """
 
 import gc
@@ -17,7 +17,7 @@ from contextlib import suppress
 from importlib import import_module
 from typing import Any, NoReturn
 
-from lpcompare import guard
+from lpcompare.processes import guard
 
 _LOOK_S = 0.2
 _MESSAGE_BYTES = 2**16

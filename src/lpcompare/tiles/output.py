@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
-from lpcompare.large.job import Block, Job
-from lpcompare.large.streams import note_on, read_rows, writer
 from lpcompare.progress import Callback
+from lpcompare.tiles.job import Block, Job
+from lpcompare.tiles.streams import note_on, read_rows, writer
 from lpcompare.types import Indices
 
 

@@ -11,9 +11,9 @@ import numpy as np
 from lpcompare.benchmark.case import Request, run_case
 from lpcompare.benchmark.environment import physical_memory_mib
 from lpcompare.benchmark.record import Record
-from lpcompare.children import Children, temporary_folder
 from lpcompare.errors import InputError, MethodError, NotApplicable
 from lpcompare.io.arrays import digest, load_arrays, save_cloud
+from lpcompare.processes.children import Children, temporary_folder
 from lpcompare.registry import Seed
 from lpcompare.threads import thread_count
 from lpcompare.types import PointCloud, Simplification

@@ -1,10 +1,10 @@
 """Child processes with limits: started clean, watched with all that they start, ended with all of it.
 
-Between this process and a child stands its guard (`lpcompare.guard`). When this process dies, however it
+Between this process and a child stands its guard (`lpcompare.processes.guard`). When this process dies, however it
 dies, the guard ends the child and every process that the child has left anywhere.
 
 A child is a program, or, after `Children.prepare`, a call of a module that one process has imported for all
-(`lpcompare.nursery`).
+(`lpcompare.processes.nursery`).
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ from pathlib import Path
 from threading import Lock
 from typing import IO, BinaryIO
 
-from lpcompare import guard as _guard
-from lpcompare import nursery as _nursery
+from lpcompare.processes import guard as _guard
+from lpcompare.processes import nursery as _nursery
 
 _THREAD_VARIABLES = (
     "LPCOMPARE_THREADS",
@@ -214,7 +214,7 @@ class Children:
 
 
 class Nursery:
-    """The process that children are forked from (`lpcompare.nursery`), started when the first one is wanted.
+    """The process that children are forked from (`lpcompare.processes.nursery`), started when the first one is wanted.
 
     Where it was killed, another one is started.
     """

@@ -1,0 +1,1 @@
+"""Clouds on disk in parts: streams of points, tiles, and the graph of tasks over them."""
