@@ -81,7 +81,7 @@ def shi_kmeans(
     members = inner[np.argsort(cluster[inner], kind="stable")]
     starts = np.flatnonzero(np.diff(cluster[members], prepend=-1))
     ends, deviation = _split(points - points.mean(axis=0), normals, members, starts, target_count - len(kept))
-    indices = np.sort(np.concatenate([kept, _nearest_to_centroid(points, members, ends)]))
+    indices = np.sort(np.concatenate([kept, _nearest_to_centroid(points, members, np.sort(ends))]))
     info = {"space_interval": interval, "normal_deviation": deviation, "n_rim": len(kept)}
     return Simplification(points[indices], indices, info=info)
 
@@ -174,8 +174,11 @@ def two_means(points, members, first, second):
             return len(members) // 2
         for g in range(2):
             means[g] = sums[g] / sizes[g]
-    order = np.argsort(group, kind="mergesort")
-    members[:] = members[order]
+    places, before = np.zeros(2, np.int64), members.copy()
+    places[1] = int(sizes[0])
+    for i in range(len(members)):
+        members[places[group[i]]] = before[i]
+        places[group[i]] += 1
     return int(sizes[0])
 
 
@@ -213,4 +216,4 @@ def _split(points, normals, members, first_starts, target_count):
             keys[c] = -deviations[c]
             size = _enter(c, ends[c] - starts[c], heap, size, place, keys)
         n += 1
-    return np.sort(ends), deviations.max()
+    return ends, deviations.max()

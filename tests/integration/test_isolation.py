@@ -63,8 +63,8 @@ def test_the_run_is_complete_and_its_table_shows_every_method(naughty):
     assert max(map(len, done.stdout.splitlines()[:-1])) <= 100
 
 
-def test_a_good_method_gives_the_same_points_as_without_them(naughty, program, cloud_file, tmp_path):
-    _, alone = run_methods(program, cloud_file, tmp_path / "run", ["well_behaved"])
+def test_a_good_method_gives_the_same_points_as_without_them(naughty, lpcompare, cloud_file, tmp_path):
+    _, alone = run_methods(lpcompare, cloud_file, tmp_path / "run", ["well_behaved"])
     (other,) = [r for r in naughty[1].records if r.method == "well_behaved"]
     (record,) = alone.records
     assert record.points_sha256 == other.points_sha256
@@ -82,7 +82,7 @@ def test_what_a_method_started_dies_with_it(program, cloud_file, tmp_path, plugi
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP, signal.SIGKILL], ids=lambda s: s.name)
 def test_after_the_end_of_lpcompare_nothing_is_left_and_the_next_start_tidies_up(
-    program, cloud_file, tmp_path, plugin_environment, number
+    lpcompare, cloud_file, tmp_path, plugin_environment, number
 ):
     environment = plugin_environment | {"CHILD_PID_FILE": str(tmp_path / "pid")}
     words = ["run", "--model", str(cloud_file), "--method", "leaves_a_child", "--out", str(tmp_path / "run")]
@@ -105,7 +105,7 @@ def test_after_the_end_of_lpcompare_nothing_is_left_and_the_next_start_tidies_up
     assert left(tmp_path) == []
     assert list((tmp_path / "run" / ".work").iterdir())
     again = ["--method", "well_behaved", "--reduction", 0.8, "--resume", "--out", tmp_path / "run"]
-    assert program("run", "--model", cloud_file, *again).returncode == 0
+    assert lpcompare("run", "--model", cloud_file, *again).returncode == 0
     assert not (tmp_path / "run" / ".work").exists()
 
 
