@@ -7,6 +7,8 @@ promised record and a byte for every promised byte of points, found or not.
 from __future__ import annotations
 
 import struct
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import BinaryIO
 
@@ -76,14 +78,18 @@ def read(path: Path) -> PointCloud:
     return cloud_of(by_name([*AXES, *names], columns), path.stem, beside=_beside(file.header))
 
 
+def coordinate_system(header: laspy.LasHeader) -> list[tuple[int, bytes]]:
+    """The records that say the coordinate reference system, by their numbers."""
+    records = [*header.vlrs, *(header.evlrs or ())]
+    system = [record for record in records if record.user_id == "LASF_Projection"]
+    return sorted((record.record_id, record.record_data_bytes().rstrip(b"\0")) for record in system)
+
+
 def _beside(header: laspy.LasHeader) -> list[str]:
     """What the header has that is said of no single point."""
-    records = [*header.vlrs, *(header.evlrs or ())]
-    systems = any(record.user_id == "LASF_Projection" for record in records)
-    more = sum((record.user_id, record.record_id) not in _OF_THE_POINTS for record in records)
-    more -= sum(record.user_id == "LASF_Projection" for record in records)
-    waves = header.version.minor >= 3 and header.start_of_waveform_data_packet_record
-    named = {"its coordinate reference system": systems, "its waveforms": waves}
+    records, system = [*header.vlrs, *(header.evlrs or ())], coordinate_system(header)
+    more = sum((record.user_id, record.record_id) not in _OF_THE_POINTS for record in records) - len(system)
+    named = {"its coordinate reference system": system, "its waveforms": waveforms_start(header)}
     return [name for name, there in named.items() if there] + [f"{more} further records of its header"] * (
         more > 0
     )
@@ -127,7 +133,8 @@ def keep_rows(source: Path, target: Path, rows: Indices) -> tuple[str, ...]:
     )
     make_writable(file.header)
     _write(target, file)
-    return keep_waveforms(source, target, file.header)
+    keep_waveforms(source, target, file.header)
+    return waveforms_lost(source, file.header)
 
 
 def make_writable(header: laspy.LasHeader) -> None:
@@ -145,28 +152,65 @@ def _write(path: Path, file: laspy.LasData) -> None:
     Raises
     ------
     InputError
-        It would be a LAZ with wave packets of several scanner channels.
+        As `appending`.
     """
-    compressed = path.suffix.lower() == ".laz"
-    waves = compressed and file.point_format.id in _LAYERED_WAVES
-    if waves and np.ptp(np.asarray(file["scanner_channel"], dtype=np.uint8)) > 0:
-        raise InputError(
-            "A LAZ of this point format cannot keep the wave packets of several scanner channels, "
-            "because its compressor changes them; name a file that ends in .las."
-        )
-    how = {"do_compress": compressed, "encoding_errors": "ignore", "closefd": False}
-    with path.open("wb") as out, laspy.LasWriter(out, file.header, **how) as writer:
-        writer.write_points(file.points)
+    with path.open("wb") as out, appending(path, out, file.header) as (writer, append):
+        append(file.points)
         if file.evlrs:
             writer.write_evlrs(file.evlrs)
 
 
-def keep_waveforms(source: Path, target: Path, header: laspy.LasHeader) -> tuple[str, ...]:
-    """Copy the record of waveforms that points refer to and name its place; say what is not copied."""
-    start = header.start_of_waveform_data_packet_record if header.version.minor >= 3 else 0
+@contextmanager
+def appending(
+    path: Path, out: BinaryIO, header: laspy.LasHeader
+) -> Iterator[tuple[laspy.LasWriter, Callable[[laspy.ScaleAwarePointRecord], None]]]:
+    """A writer with a header, and what writes points with it; a name that ends in .laz is compressed.
+
+    Raises
+    ------
+    InputError
+        It would be a LAZ with wave packets of several scanner channels.
+    """
+    compressed = path.suffix.lower() == ".laz"
+    waves = compressed and header.point_format.id in _LAYERED_WAVES
+    how = {"do_compress": compressed, "encoding_errors": "ignore", "closefd": False}
+    channels = set[int]()
+    with laspy.LasWriter(out, header, **how) as writer:
+
+        def append(points: laspy.ScaleAwarePointRecord) -> None:
+            channels.update(np.unique(points["scanner_channel"]).tolist() if waves else ())
+            if len(channels) > 1:
+                raise InputError(
+                    "A LAZ of this point format cannot keep the wave packets of several scanner channels, "
+                    "because its compressor changes them; name a file that ends in .las."
+                )
+            if len(points):
+                writer.write_points(points)
+
+        yield writer, append
+
+
+def waveforms_lost(source: Path, header: laspy.LasHeader) -> tuple[str, ...]:
+    """Say where a copy of some points has not the waveforms that they refer to."""
+    start = waveforms_start(header)
     if not start:
         beside = header.version.minor >= 3 and header.global_encoding.waveform_data_packets_external
         return (f"its waveforms stay in {source.stem}.wdp",) if beside else ()
+    with source.open("rb") as file:
+        there = _waveforms(file, start)
+    return () if there else ("its waveforms are left out, they are not where its header says",)
+
+
+def waveforms_start(header: laspy.LasHeader) -> int:
+    """Where the header says that the record of waveforms begins; 0 where there is none in the file."""
+    return header.start_of_waveform_data_packet_record if header.version.minor >= 3 else 0
+
+
+def keep_waveforms(source: Path, target: Path, header: laspy.LasHeader) -> None:
+    """Copy the record of waveforms that points refer to and name its place."""
+    start = waveforms_start(header)
+    if not start:
+        return
     with source.open("rb") as old, target.open("r+b") as new:
         length, place = _waveforms(old, start), 0
         if length:
@@ -177,7 +221,6 @@ def keep_waveforms(source: Path, target: Path, header: laspy.LasHeader) -> tuple
                 new.write(old.read(min(2**24, length - at)))
         new.seek(_WAVEFORMS_AT)
         new.write(struct.pack("<Q", place))
-    return () if length else ("its waveforms are left out, they are not where its header says",)
 
 
 def _waveforms(file: BinaryIO, start: int) -> int:

@@ -10,7 +10,16 @@ from pathlib import Path
 import laspy
 import numpy as np
 
-from lpcompare.io.las import check_header, keep_waveforms, largest_chunk, make_writable
+from lpcompare.io.las import (
+    appending,
+    check_header,
+    coordinate_system,
+    keep_waveforms,
+    largest_chunk,
+    make_writable,
+    waveforms_lost,
+    waveforms_start,
+)
 from lpcompare.io.rows import Damaged, check_held
 from lpcompare.tiles.streams import Append
 from lpcompare.types import Points
@@ -27,9 +36,9 @@ def count_points(path: Path) -> int:
 
 def note_on(path: Path) -> str:
     """What a copy of some of the points leaves out."""
-    with laspy.open(str(path)) as reader:
-        tree = {record.user_id for record in reader.header.vlrs} & {"copc"}
-    return "a COPC becomes a plain LAZ" if tree else ""
+    header = _header(path)
+    tree = {record.user_id for record in header.vlrs} & {"copc"}
+    return "; ".join([*["a COPC becomes a plain LAZ"] * bool(tree), *waveforms_lost(path, header)])
 
 
 def read_rows(path: Path, start: int, stop: int) -> tuple[Points, laspy.ScaleAwarePointRecord]:
@@ -46,25 +55,44 @@ def read_rows(path: Path, start: int, stop: int) -> tuple[Points, laspy.ScaleAwa
 @contextmanager
 def writer(path: Path, source: Path, count: int) -> Iterator[Append]:
     """Write the header of ``source``; records are appended and the counts of the header follow them."""
-    with laspy.open(str(source)) as reader:
-        header = copy.deepcopy(reader.header)
-        header.evlrs = reader.evlrs
+    header = _header(source)
     make_writable(header)
-    how = {"do_compress": path.suffix.lower() == ".laz", "encoding_errors": "ignore", "closefd": False}
-    with path.open("wb") as out, laspy.LasWriter(out, header, **how) as las:
+    with path.open("wb") as out, appending(path, out, header) as (las, write):
 
         def append(other: Path, records: laspy.ScaleAwarePointRecord) -> None:
             if records.point_format != header.point_format:
                 raise Damaged(f"{other.name} has another point format than {source.name}")
+            if other != source:
+                _check_alike(other, source)
             if (records.scales != header.scales).any() or (records.offsets != header.offsets).any():
                 records = _on_grid(other, records, header)
-            if len(records):
-                las.write_points(records)
+            write(records)
 
         yield append
         if header.evlrs:
             las.write_evlrs(header.evlrs)
     keep_waveforms(source, path, header)
+
+
+def _header(path: Path) -> laspy.LasHeader:
+    with laspy.open(str(path)) as reader:
+        header = copy.deepcopy(reader.header)
+        header.evlrs = reader.evlrs
+    return header
+
+
+def _check_alike(other: Path, source: Path) -> None:
+    """Raise a `Damaged` where points of one file would be misread under the header of another."""
+    theirs, ours = _header(other), _header(source)
+    if coordinate_system(theirs) != coordinate_system(ours):
+        raise Damaged(
+            f"{other.name} has another coordinate reference system than {source.name}; write to a folder instead"
+        )
+    if waveforms_start(theirs) or waveforms_start(ours):
+        raise Damaged(
+            f"{other.name} and {source.name} have waveforms of their own, which one file cannot keep; "
+            "write to a folder instead"
+        )
 
 
 def _on_grid(

@@ -6,6 +6,7 @@ import pytest
 
 from lpcompare.errors import InputError
 from lpcompare.io import keep_rows, read, write
+from lpcompare.io.rows import Damaged
 from lpcompare.tiles.streams import STREAMS, count_points, note_on, read_rows, writer
 from lpcompare.types import PointCloud
 
@@ -102,3 +103,55 @@ def test_the_tree_of_a_copc_is_left_out_and_said(files, tmp_path):
     copied = laspy.read(tmp_path / "some.laz")
     assert (copied.points.array == las.points.array[ROWS]).all()
     assert "copc" not in {record.user_id for record in copied.vlrs}
+
+
+@pytest.mark.parametrize("kind", [9, 10])
+def test_wave_packets_of_several_channels_are_not_compressed_in_parts(kind, tmp_path):
+    las = laspy.LasData(laspy.LasHeader(version="1.4", point_format=kind))
+    las.x, las.y, las.z = np.random.default_rng(0).normal(size=(3, 40))
+    las.scanner_channel = np.arange(40) // 20  # each part has one channel
+    las.write(str(tmp_path / "a.las"))
+    with pytest.raises(InputError, match=r"name a file that ends in \.las"):
+        written_in_parts(tmp_path / "a.las", tmp_path / "b.laz", np.arange(40), 20)
+    assert not (tmp_path / "b.laz").exists()
+    written_in_parts(tmp_path / "a.las", tmp_path / "b.las", np.arange(40), 20)
+    written_in_parts(tmp_path / "a.las", tmp_path / "c.laz", np.arange(20), 20)
+    assert laspy.read(tmp_path / "c.laz").header.point_count == 20
+
+
+def of_system(path, epsg):
+    header = laspy.LasHeader(version="1.4", point_format=6)
+    header.vlrs.append(laspy.VLR("LASF_Projection", 2112, "", b"EPSG %d\0" % epsg))
+    las = laspy.LasData(header)
+    las.x, las.y, las.z = np.eye(3)
+    las.write(str(path))
+    return path
+
+
+def test_files_of_other_coordinate_systems_are_not_mixed(tmp_path):
+    first, same, other = (
+        of_system(tmp_path / f"{name}.las", epsg) for name, epsg in (("a", 25832), ("b", 25832), ("c", 25833))
+    )
+    for path in (same, other):
+        with writer(tmp_path / f"both-{path.stem}.las", first, 6) as append:
+            append(first, read_rows(first, 0, 3)[1])
+            if path is other:
+                with pytest.raises(Damaged, match="another coordinate reference system"):
+                    append(path, read_rows(path, 0, 3)[1])
+            else:
+                append(path, read_rows(path, 0, 3)[1])
+
+
+def test_waveforms_are_said_and_not_mixed(tmp_path):
+    for name in "ab":
+        las = laspy.LasData(laspy.LasHeader(version="1.4", point_format=9))
+        las.x, las.y, las.z = np.eye(3)
+        las.write(str(tmp_path / f"{name}.las"))
+        content = bytearray((tmp_path / f"{name}.las").read_bytes())
+        content[227:235] = (123).to_bytes(8, "little")  # a record of waveforms that is not there
+        (tmp_path / f"{name}.las").write_bytes(content)
+    assert "its waveforms are left out" in note_on(tmp_path / "a.las")
+    with writer(tmp_path / "both.las", tmp_path / "a.las", 6) as append:
+        append(tmp_path / "a.las", read_rows(tmp_path / "a.las", 0, 3)[1])
+        with pytest.raises(Damaged, match="waveforms of their own"):
+            append(tmp_path / "b.las", read_rows(tmp_path / "b.las", 0, 3)[1])
