@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import numbers
+import warnings
 from collections.abc import Iterable
 
 import numpy as np
 
-from lpcompare.errors import InputError, UnknownName
+from lpcompare.errors import InputError, PointsLeftOut, UnknownName
 from lpcompare.types import Mask, Points
 
 _LARGEST = 1e150
@@ -62,6 +63,17 @@ def check_magnitude(largest: float, where: str) -> None:
 def valid_rows(points: Points) -> Mask:
     """Which rows have three finite coordinates, shape (n,)."""
     return np.asarray(np.isfinite(points).all(axis=1))
+
+
+def left_out(n_bad: int, n_points: int, where: str) -> str:
+    """The sentence that says how many points of a cloud count for nothing."""
+    return f"{where}: {n_bad:,} of {n_points:,} points have no finite coordinates and are left out."
+
+
+def warn_left_out(n_bad: int, n_points: int, where: str) -> None:
+    """Say it as a `PointsLeftOut` where there are such points."""
+    if n_bad:
+        warnings.warn(left_out(n_bad, n_points, where), PointsLeftOut, stacklevel=3)
 
 
 def _numbers(values: object, where: str) -> np.ndarray:

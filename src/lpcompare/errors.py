@@ -11,6 +11,7 @@
     ├── MethodError (RuntimeError)       a method broke a promise: wrong count, no subset, a changed input
     └── ModelDataError (OSError)         a model could not be fetched, checked or read
 
+`PointsLeftOut` is the one warning of its own.
 A message names the thing, the value received, what is allowed and what to do.
 """
 
@@ -66,6 +67,10 @@ class SolverError(LpcompareError, RuntimeError):
 
 class MethodError(LpcompareError, RuntimeError):
     """A method returned what it must not return, or changed its input."""
+
+
+class PointsLeftOut(UserWarning):
+    """Points without finite coordinates do not count in what is returned."""
 
 
 class ModelDataError(LpcompareError, OSError):

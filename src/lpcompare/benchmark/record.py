@@ -314,6 +314,7 @@ class _Input(msgspec.Struct):
     model: str
     n_points: int
     sha256: str = ""
+    left_out: str | msgspec.UnsetType = msgspec.UNSET
 
 
 class _Version(msgspec.Struct):

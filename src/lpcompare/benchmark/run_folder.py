@@ -46,6 +46,8 @@ class Input:
     n_points : int
     sha256 : str
         Of all that a method can see.
+    left_out : str
+        What its file has that no method sees.
     """
 
     path: Path
@@ -53,6 +55,7 @@ class Input:
     model: str
     n_points: int
     sha256: str
+    left_out: str = ""
 
     def write(self) -> None:
         """Write the file again."""
@@ -61,7 +64,8 @@ class Input:
     def facts(self) -> dict[str, Any]:
         """What run.json says of it."""
         file = f"clouds/{self.path.name}"
-        return {"file": file, "model": self.model, "n_points": self.n_points, "sha256": self.sha256}
+        facts = {"file": file, "model": self.model, "n_points": self.n_points, "sha256": self.sha256}
+        return facts | ({"left_out": self.left_out} if self.left_out else {})
 
 
 @contextmanager
@@ -125,7 +129,8 @@ class RunFolder:
     def write_input(self, name: str, make: Callable[[], PointCloud]) -> Input:
         """Write the cloud that one group of cases is given."""
         cloud = make()
-        given = Input(self.clouds / f"{name}.npz", make, printable(cloud.name), len(cloud), digest(cloud))
+        path, title, lost = self.clouds / f"{name}.npz", printable(cloud.name), ", ".join(cloud.beside)
+        given = Input(path, make, title, len(cloud), digest(cloud), printable(lost))
         save_cloud(given.path, cloud)
         return given
 

@@ -20,7 +20,7 @@ from lpcompare.benchmark.record import Record, Run, load_run
 from lpcompare.benchmark.resume import case_key, earlier_run, reusable
 from lpcompare.benchmark.run_folder import Input, RunFolder, file_name, sole_writer
 from lpcompare.benchmark.study import build_plan, check_study
-from lpcompare.checks import check_points, target_from_reduction, valid_rows
+from lpcompare.checks import check_points, left_out, target_from_reduction, valid_rows
 from lpcompare.errors import InputError
 from lpcompare.interplay import read_object
 from lpcompare.processes.children import Children, remove_left_folders, temporary_folder
@@ -143,9 +143,10 @@ def load_models(
         name, cloud = _named(model)
         bad = ~valid_rows(cloud.points) if isinstance(model, str) and cloud.points.ndim == 2 else None
         if bad is not None and bad.any() and not bad.all() and not strict:
-            n_bad, n_points = int(bad.sum()), len(cloud)
-            tell(f"{name}: {n_bad:,} of {n_points:,} points have no finite coordinates and are left out.")
+            n_bad = int(bad.sum())
+            tell(left_out(n_bad, len(cloud), name))
             cloud = keep_points(cloud, ~bad)
+            cloud = replace(cloud, beside=(*cloud.beside, f"{n_bad:,} points without coordinates"))
         if name in clouds:
             raise InputError(f"The model {name!r} is named twice.")
         clouds[name] = replace(cloud, points=check_points(cloud.points, name))

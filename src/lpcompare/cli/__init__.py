@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+import warnings
 from importlib import import_module
 from io import TextIOWrapper
 from pkgutil import iter_modules
@@ -56,6 +57,7 @@ def _root(
 
 def main() -> None:
     """Run ``lpcompare``; what is wrong with the input is one sentence on stderr and exit code 2."""
+    warnings.showwarning = lambda message, *_, **__: complain(str(message))
     if isinstance(sys.stdout, TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")  # as standard error does, in any encoding
     try:

@@ -374,7 +374,7 @@ def _evaluation(cloud: PointCloud, result: Simplification) -> str:
     """Every quick metric, one line each."""
     from lpcompare.metrics.comparison import evaluate
 
-    values = evaluate(cloud, result)
+    values = evaluate(cloud.points[_looked_at(cloud, result)], result)
     width = max(map(len, values))
     return "".join(f"\n  {name:<{width}}  {value:.6g}" for name, value in values.items())
 

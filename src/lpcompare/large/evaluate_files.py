@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from lpcompare.checks import warn_left_out
 from lpcompare.errors import InputError
 from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.geometry.planes import fit_planes, plane_distances
@@ -68,6 +69,11 @@ def evaluate_files(
     InputError
         A file cannot be read, or the disk has no room.
 
+    Warns
+    -----
+    PointsLeftOut
+        Points of a file have a coordinate that is NaN or infinite, and do not count.
+
     Examples
     --------
     >>> import tempfile, pathlib
@@ -93,6 +99,8 @@ def evaluate_files(
             executor = Executor(some, callback)
             _spill(whole, few, executor)
             executor.run("error", whole, tile_tasks(whole, partial(measure, reduced=few), "figures"))
+        for job, where in ((whole, "The original"), (few, "The reduced cloud")):
+            warn_left_out(job.n_points - int(job.load("whole")["count"]), job.n_points, where)
         return _figures(whole)
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lpcompare.checks import check_points, valid_rows
+from lpcompare.checks import check_points, valid_rows, warn_left_out
 from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.geometry.planes import fit_planes, plane_distances
 from lpcompare.geometry.scale import bounding_box_center, bounding_box_diagonal
@@ -32,7 +32,7 @@ def evaluate(
     Parameters
     ----------
     cloud : PointCloud, array_like of shape (n, 3), or an object that `simplify` takes
-        The original, in model units. Points without finite coordinates are left out.
+        The original, in model units.
     result : Simplification, or what ``cloud`` may be, with m >= 1 points
         The reduced cloud, in the same units.
     metrics : sequence of str, optional
@@ -51,6 +51,11 @@ def evaluate(
     UnknownName
         There is no such metric.
 
+    Warns
+    -----
+    PointsLeftOut
+        Points of an array or of a cloud have a coordinate that is NaN or infinite, and do not count.
+
     References
     ----------
     The plane error is eq. 27 of N. Leal, E. Leal, G. Sanchez-Torres, A Linear Programming Approach for 3D Point
@@ -65,7 +70,7 @@ def evaluate(
     >>> round(values["plane_error_pct"], 6), values["hausdorff_pct"] > values["mean_distance_pct"] > 0
     (0.0, True)
     """
-    comparison = Comparison(_coordinates(cloud), _coordinates(result))
+    comparison = Comparison(_coordinates(cloud, "The original"), _coordinates(result, "The reduced cloud"))
     return {
         key: value
         for name in metrics or METRICS.quick
@@ -73,11 +78,15 @@ def evaluate(
     }
 
 
-def _coordinates(cloud: Any) -> Points:
+def _coordinates(cloud: Any, where: str) -> Points:
     """Clean coordinates; points without any are left out, as `lpcompare.simplify` can leave them out."""
     points = cloud.points if isinstance(cloud, Simplification) else read_object(cloud).points
-    known = isinstance(points, np.ndarray) and points.ndim == 2 and points.dtype.kind == "f"
-    return check_points(points[valid_rows(points)] if known else points)
+    if isinstance(points, np.ndarray) and points.ndim == 2 and points.dtype.kind == "f":
+        valid = valid_rows(points)
+        if valid.any():
+            warn_left_out(int((~valid).sum()), len(points), where)
+            points = points[valid]
+    return check_points(points, where)
 
 
 class Comparison:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import lpcompare
-from lpcompare.errors import InputError
+from lpcompare.errors import InputError, PointsLeftOut
 
 QUICK = ["plane_error", "mean_distance", "hausdorff", "normal_deviation"]
 
@@ -35,6 +35,32 @@ def test_a_cloud_without_extent_has_no_diagonal(tmp_path):
     np.save(tmp_path / "one.npy", np.ones((20, 3)))
     with pytest.raises(InputError, match="no extent"):
         lpcompare.evaluate_files(tmp_path / "one.npy", tmp_path / "one.npy")
+
+
+@pytest.mark.parametrize("holes", [("original",), ("reduced",), ("original", "reduced")])
+def test_points_left_out_are_said_as_in_memory(tmp_path, holes):
+    clouds = {"original": np.random.default_rng(0).random((90, 3))}
+    clouds["reduced"] = clouds["original"][::5].copy()
+    clean = lpcompare.evaluate(*clouds.values())["plane_error_pct"]
+    for name in holes:
+        clouds[name] = np.append(clouds[name], [[0, np.nan, 0], [0, 0, np.inf]], axis=0)
+    for name, points in clouds.items():
+        np.save(tmp_path / f"{name}.npy", points)
+    calls = (
+        lambda: lpcompare.evaluate(*clouds.values()),
+        lambda: lpcompare.evaluate_files(tmp_path / "original.npy", tmp_path / "reduced.npy", n_tiles=3),
+    )
+    said = []
+    for call in calls:
+        with pytest.warns(PointsLeftOut) as warned:
+            assert call()["plane_error_pct"] == pytest.approx(clean)
+        said.append([str(w.message) for w in warned])
+    sizes = {"original": 92, "reduced": 20}
+    named = {"original": "The original", "reduced": "The reduced cloud"}
+    wanted = [
+        f"{named[n]}: 2 of {sizes[n]} points have no finite coordinates and are left out." for n in holes
+    ]
+    assert said == [wanted, wanted]
 
 
 @pytest.mark.parametrize(("value", "says"), [(np.nan, "no point"), (1e200, "overflow")])
