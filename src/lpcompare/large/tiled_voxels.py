@@ -1,7 +1,8 @@
 """`voxel_nearest` of files: the same cubes and the same points as in memory.
 
-A cube belongs to the first of the tiles that have a point in it. That tile looks at all points of the cube, in
-input order. So every cube is counted once, and the search for the edge sees the counts of the whole cloud.
+The search for the edge sees the counts of the whole cloud: a tile counts the cubes that are its own, and the few
+that a cut goes through are counted together. In the end a cube belongs to the first of the tiles that have a point
+in it. That tile looks at all points of the cube, in input order.
 """
 
 from __future__ import annotations
@@ -10,12 +11,13 @@ from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from lpcompare.tiles.job import Job
+from lpcompare.tiles.job import Arrays, Job
 from lpcompare.tiles.tiles import Run, around, spilling, take, tile_tasks
-from lpcompare.types import Indices, Mask, Points
+from lpcompare.types import Indices, Mask, Points, Vector
 from lpcompare_baselines._calibration import search_size, surface_spacing
-from lpcompare_baselines._cells import cell_means
+from lpcompare_baselines._cells import cell_means, finest_cell
 
 
 def stages(job: Job, run: Run) -> None:
@@ -25,7 +27,9 @@ def stages(job: Job, run: Run) -> None:
     if edge is None:
         corners = np.stack([job.load("whole")["low"], job.load("whole")["high"]])
         start = surface_spacing(corners, job.target_count)
-        edge = search_size(lambda size: _count(job, run, size), job.target_count, start)
+        finest = finest_cell(corners)
+        size = search_size(lambda size: count_occupied(job, run, max(size, finest)), job.target_count, start)
+        edge = max(size, finest)
     job.save("edge", edge=edge)
     run("selection", tile_tasks(job, keep, "chosen"))
 
@@ -35,12 +39,51 @@ def summary(job: Job) -> dict[str, Any]:
     return {"cell_size": float(job.load("edge")["edge"])}
 
 
-def _count(job: Job, run: Run, edge: float) -> int:
+def count_occupied(job: Job, run: Run, edge: float) -> int:
     """Occupied cubes of the whole cloud."""
     name = f"cubes-{edge.hex()}"
     task = partial(count_cubes, name=name, edge=edge)
     run("calibration", tile_tasks(job, task, name))
-    return int(job.gather(name, range(job.n_tiles))["count"].sum())
+    parts = [job.load(name, tile) for tile in range(job.n_tiles)]
+    shared = np.unique(np.concatenate([part["shared"] for part in parts]))
+    return int(sum(part["count"] for part in parts)) + len(shared)
+
+
+def count_cubes(job: Job, tile: int, *, name: str, edge: float) -> None:
+    """Count the cubes that lie between the cuts around a tile; save those that a cut goes through.
+
+    A cube between the cuts has points of this tile alone, so that no other tile is read.
+    """
+    whole = job.load("whole")
+    cubes = _cube_of(np.asarray(job.map_array("points", tile)), whole, edge)
+    low, high = (_cube_of(end, whole, edge) for end in _bounds(whole, tile, 2 * edge))
+    cut = (cubes <= low).any(axis=1) | (cubes >= high).any(axis=1)
+    numbers = _number(cubes, whole, edge)
+    job.save(name, tile, count=len(np.unique(numbers[~cut])), shared=np.unique(numbers[cut]))
+
+
+def _cube_of(points: Points, whole: Arrays, edge: float) -> NDArray[np.int64]:
+    """Places of cubes along the axes, shape of ``points``."""
+    return ((points - whole["low"]) / edge).astype(np.int64)
+
+
+def _number(cubes: NDArray[np.int64], whole: Arrays, edge: float) -> NDArray[np.int64]:
+    """One number for each cube, shape (n,)."""
+    _, along_y, along_z = _cube_of(whole["high"], whole, edge) + 1
+    return (cubes[:, 0] * along_y + cubes[:, 1]) * along_z + cubes[:, 2]
+
+
+def _bounds(whole: Arrays, tile: int, beyond: float) -> tuple[Vector, Vector]:
+    """Low and high corner of the part of space that a tile is; without a cut, so far beyond the cloud."""
+    low, high, cuts = whole["low"] - beyond, whole["high"] + beyond, whole["cuts"]
+    child = -1 - tile
+    for node in range(len(cuts) - 1, -1, -1):  # children come after their cut
+        axis, place, left, right = cuts[node]
+        if child in (left, right):
+            end, tighter = (high, np.minimum) if child == left else (low, np.maximum)
+            end[int(axis)] = tighter(end[int(axis)], place)
+            child = node
+    return low, high
 
 
 class _Cubes(NamedTuple):
@@ -52,21 +95,14 @@ class _Cubes(NamedTuple):
     own: Mask
 
 
-def count_cubes(job: Job, tile: int, *, name: str, edge: float) -> None:
-    """Count the cubes that belong to a tile."""
-    job.save(name, tile, count=np.count_nonzero(_cubes(job, tile, edge).own))
-
-
 def _cubes(job: Job, tile: int, edge: float) -> _Cubes:
-    low = job.load("whole")["low"]
+    whole = job.load("whole")
     near = around(job, tile, 2 * edge)
     points = np.concatenate([job.map_array("points", tile), take(job, "points", near)])
     rows = np.concatenate([job.map_array("rows", tile), take(job, "rows", near)]).astype(np.intp)
     tiles = np.append(np.full(len(points) - len(near.tiles), tile), near.tiles)
     order = np.argsort(rows, kind="stable")
-    x, y, z = ((points[order] - low) / edge).astype(np.int64).T
-    _, along_y, along_z = ((job.load("whole")["high"] - low) / edge).astype(np.int64) + 1
-    cubes = np.unique((x * along_y + y) * along_z + z, return_inverse=True)[1]
+    cubes = np.unique(_number(_cube_of(points[order], whole, edge), whole, edge), return_inverse=True)[1]
     first = np.full(cubes.max(initial=-1) + 1, job.n_tiles)
     np.minimum.at(first, cubes, tiles[order])
     return _Cubes(points[order], rows[order], cubes, first == tile)

@@ -1,15 +1,16 @@
 """Tiles hold every point once, in input order; shares are exact; colors differ where tiles touch."""
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from lpcompare.large.shares import largest_remainder
-from lpcompare.tiles.colors import coloring, earlier
-from lpcompare.tiles.job import Job
 from lpcompare.tiles.tasks import Executor, Task
+from lpcompare.large.tiled_voxels import count_occupied
 from lpcompare.tiles.tiles import around, cut, distances_to_box, reading, spilling, tile_of, uniform
+from lpcompare_baselines._cells import grid_cells, n_occupied
 
 
 @given(
@@ -117,3 +118,17 @@ def test_tasks_wait_for_those_before_them_and_are_not_repeated(tmp_path):
     assert [int(job.map_array("left", n)[0]) for n in (3, 2, 1, 0)] == sorted(
         int(job.map_array("left", n)[0]) for n in range(4)
     )
+
+
+@pytest.mark.parametrize("n_tiles", [1, 2, 7, 40])
+@pytest.mark.parametrize("edge", [0.05, 0.7, 6.0, 100.0])
+def test_cubes_counted_in_tiles_are_those_of_the_whole(sheet, files, tmp_path, n_tiles, edge):
+    job = Job(tmp_path, ((files[".npy"], len(sheet)),), 100, "voxel_nearest", n_tiles=n_tiles)
+    executor = Executor(None)
+
+    def run(stage, tasks):
+        executor.run(stage, job, tasks)
+
+    reading(job, run)
+    spilling(job, run)
+    assert count_occupied(job, run, edge) == n_occupied(grid_cells(sheet, edge))
