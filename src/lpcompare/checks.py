@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import numbers
 import warnings
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
 
 import numpy as np
 
 from lpcompare.errors import InputError, PointsLeftOut, UnknownName
-from lpcompare.types import Mask, Points
+from lpcompare.types import Mask, PointCloud, Points
 
 _LARGEST = 1e150
 _SMALLEST = 1e-150
@@ -30,12 +31,7 @@ def check_points(values: object, where: str = "points") -> Points:
     InputError
         Not (n, 3), empty, not numeric, or not finite.
     """
-    array = _numbers(values, where)
-    if array.ndim != 2 or array.shape[1] != 3:
-        hint = " It looks transposed; give its .T." if array.ndim == 2 and array.shape[0] == 3 else ""
-        raise InputError(
-            f"{where} has shape {array.shape}; give an array of shape (n, 3), one row per point.{hint}"
-        )
+    array = check_coordinates(values, where)
     if not len(array):
         raise InputError(f"{where} is empty; give at least one point.")
     cloud = np.ascontiguousarray(array, dtype=np.float64)
@@ -50,6 +46,73 @@ def check_points(values: object, where: str = "points") -> Points:
     if 0 < extent < _SMALLEST:
         raise InputError(f"{where} spreads over {extent:g} only, whose squares underflow; rescale it.")
     return cloud
+
+
+def check_coordinates(values: object, where: str = "points") -> np.ndarray:
+    """An array of numbers of shape (n, 3), finite or not; masked entries become NaN; raises `InputError`."""
+    array = _numbers(values, where)
+    if array.ndim != 2 or array.shape[1] != 3:
+        hint = " It looks transposed; give its .T." if array.ndim == 2 and array.shape[0] == 3 else ""
+        raise InputError(
+            f"{where} has shape {array.shape}; give an array of shape (n, 3), one row per point.{hint}"
+        )
+    return array
+
+
+def check_cloud(cloud: PointCloud) -> PointCloud:
+    """The cloud with every part as an array that has a row for each point; coordinates may be NaN.
+
+    Raises
+    ------
+    InputError
+        A part is not numeric, has another number of rows, or faces name points that there are not.
+    """
+    points = check_coordinates(cloud.points)
+    if not isinstance(cloud.attributes, Mapping) or not all(isinstance(a, str) for a in cloud.attributes):
+        raise InputError("attributes must be a mapping from names to arrays; {} is none.")
+    if not isinstance(cloud.name, str):
+        raise InputError(f"name is {cloud.name!r}; give a text.")
+    n_points = len(points)
+    return replace(
+        cloud,
+        points=points,
+        normals=None if cloud.normals is None else _part(cloud.normals, "normals", (n_points, 3)),
+        colors=None if cloud.colors is None else _part(cloud.colors, "colors", (n_points, 4)),
+        attributes={name: _attribute(name, values, n_points) for name, values in cloud.attributes.items()},
+        faces=None if cloud.faces is None else _faces(cloud.faces, n_points),
+    )
+
+
+def _part(values: object, where: str, shape: tuple[int, int]) -> np.ndarray:
+    array = _numbers(values, where)
+    if array.shape != shape:
+        raise InputError(f"{where} has shape {array.shape}; this cloud needs {shape}, one row per point.")
+    return array
+
+
+def _attribute(name: str, values: object, n_points: int) -> np.ndarray:
+    try:
+        array = np.asanyarray(values)
+    except ValueError:
+        raise InputError(f"attribute {name!r} has rows of several lengths; give an array.") from None
+    if array.shape[:1] != (n_points,):
+        raise InputError(
+            f"attribute {name!r} has shape {array.shape}; it needs one value for each of the {n_points} points."
+        )
+    return array
+
+
+def _faces(values: object, n_points: int) -> np.ndarray:
+    array = _numbers(values, "faces")
+    if array.dtype.kind not in "iu" or array.ndim != 2 or array.shape[1] != 3:
+        raise InputError(
+            f"faces has shape {array.shape} and type {array.dtype}; give integers, shape (f, 3)."
+        )
+    if array.size and not 0 <= int(array.min()) <= int(array.max()) < n_points:
+        raise InputError(
+            f"faces names the rows {array.min()} to {array.max()}; this cloud has 0 to {n_points - 1}."
+        )
+    return array.astype(np.intp, copy=False)
 
 
 def check_magnitude(largest: float, where: str) -> None:
@@ -84,7 +147,7 @@ def _numbers(values: object, where: str) -> np.ndarray:
         array = np.asarray(values)
         if array.dtype.kind not in "iuf":
             raise TypeError
-    except (TypeError, ValueError):
+    except Exception:  # an object of another library may raise anything in __array__
         raise InputError(f"{where} must be an array of real numbers of shape (n, 3).") from None
     return array
 

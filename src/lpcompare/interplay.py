@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from lpcompare.checks import check_cloud, check_coordinates
 from lpcompare.types import PointCloud, Simplification
 
 
@@ -32,10 +33,16 @@ class Kind(NamedTuple):
     make: Callable[[Any, np.ndarray], Any]
 
 
-def read_object(given: Any) -> PointCloud:
-    """Any object that `simplify` accepts, as a cloud; what is no known class is taken for an array (n, 3)."""
+def read_object(given: Any, where: str = "points") -> PointCloud:
+    """Any object that `simplify` accepts, as a cloud; what is no known class is taken for an array (n, 3).
+
+    Raises
+    ------
+    InputError
+        It is no such array, or a part of a cloud has not a row for each point.
+    """
     kind = _kind(given)
-    return kind.read(given) if kind else PointCloud(given)
+    return kind.read(given) if kind else PointCloud(check_coordinates(given, where))
 
 
 def make_object(given: Any, result: Simplification) -> Any:
@@ -91,7 +98,7 @@ def _take_meshlab(given: Any, rows: np.ndarray) -> Any:
 
 _KINDS = {
     "lpcompare.types.PointCloud": Kind(
-        read=lambda given: given,
+        read=check_cloud,
         take=lambda given, rows: given.take(rows),
         make=lambda given, points: PointCloud(points, name=given.name),
     ),

@@ -148,13 +148,11 @@ def _clean(cloud: PointCloud, *, drop_invalid: bool) -> tuple[PointCloud, np.nda
     """The checked cloud, and the rows that it has of the input where some were left out."""
     if not drop_invalid:
         return replace(cloud, points=check_points(cloud.points)), None
-    values = np.ma.filled(np.ma.asarray(cloud.points, dtype=np.float64), np.nan)
-    cloud = replace(cloud, points=values)
-    if values.ndim != 2 or values.shape[1:] != (3,) or valid_rows(values).all():
-        return replace(cloud, points=check_points(values)), None
-    rows = np.flatnonzero(valid_rows(values))
+    rows = np.flatnonzero(valid_rows(cloud.points))
+    if len(rows) == len(cloud):
+        return replace(cloud, points=check_points(cloud.points)), None
     if not len(rows):
-        raise InputError(f"None of the {len(values)} points has finite coordinates; nothing is left.")
+        raise InputError(f"None of the {len(cloud)} points has finite coordinates; nothing is left.")
     kept = cloud.take(rows)
     return replace(kept, points=check_points(kept.points)), rows
 

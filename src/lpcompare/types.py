@@ -91,10 +91,10 @@ class PointCloud:
         array([7, 9])
         """
         return PointCloud(
-            self.points[rows],
-            normals=None if self.normals is None else self.normals[rows],
-            colors=None if self.colors is None else self.colors[rows],
-            attributes={name: values[rows] for name, values in self.attributes.items()},
+            np.asanyarray(self.points)[rows],
+            normals=None if self.normals is None else np.asanyarray(self.normals)[rows],
+            colors=None if self.colors is None else np.asanyarray(self.colors)[rows],
+            attributes={name: np.asanyarray(values)[rows] for name, values in self.attributes.items()},
             name=self.name,
             beside=self.beside,
         )

@@ -17,7 +17,7 @@ ALLOWED = {
     "checks": CORE,
     "geometry": CORE | {"threads"},
     "mesh_library": CORE,
-    "io": CORE | {"mesh_library", "files", "processes"},
+    "io": CORE | {"mesh_library", "files", "processes", "checks", "interplay"},
     "max_error": CORE | {"geometry", "metrics", "checks"},
     "paper": CORE | {"geometry", "threads", "checks", "progress"},
     "uniform": CORE | {"geometry", "threads", "checks", "progress", "paper"},
@@ -25,7 +25,7 @@ ALLOWED = {
     "methods": CORE | {"progress", "geometry", "paper", "uniform"},
     "listing": CORE | {"registry", "models"},
     "testing": CORE | {"registry"},
-    "interplay": CORE,
+    "interplay": CORE | {"checks"},
     "simplify": CORE | {"checks", "geometry", "interplay", "max_error", "registry", "benchmark"},
     "large": CORE
     | {"checks", "files", "geometry", "io", "paper", "progress", "registry", "threads", "tiles", "uniform"},

@@ -8,11 +8,13 @@ from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 
 from lpcompare.errors import InputError, LpcompareError
 from lpcompare.files import whole_file
+from lpcompare.interplay import read_object
 from lpcompare.io import isolated
 from lpcompare.io.columns import fitted
 from lpcompare.io.rows import Damaged
@@ -77,15 +79,15 @@ def read(path: str | os.PathLike[str], *, drop_invalid: bool = False) -> PointCl
     return cloud.take(~invalid) if drop_invalid and invalid.any() else cloud
 
 
-def write(path: str | os.PathLike[str], cloud: PointCloud) -> tuple[str, ...]:
+def write(path: str | os.PathLike[str], cloud: Any) -> tuple[str, ...]:
     """Write a cloud with its attributes; the file appears under its name only when it is complete.
 
     Parameters
     ----------
     path : str or path
         The ending names the format; a file of that name is replaced, and its mode kept.
-    cloud : PointCloud
-        Points of shape (n, 3); the file has their unit.
+    cloud : PointCloud, array_like of shape (n, 3), or an object that `simplify` takes
+        The file has the unit of its coordinates.
 
     Returns
     -------
@@ -96,8 +98,8 @@ def write(path: str | os.PathLike[str], cloud: PointCloud) -> tuple[str, ...]:
     Raises
     ------
     InputError
-        The format cannot be written or cannot hold the coordinates, or the folder does not exist or is not
-        writable.
+        The format cannot be written or cannot hold the coordinates, a part of the cloud has not a row for
+        each point, or the folder does not exist or is not writable.
 
     Examples
     --------
@@ -113,6 +115,7 @@ def write(path: str | os.PathLike[str], cloud: PointCloud) -> tuple[str, ...]:
     path = Path(path)
     module = _module(_writable(path))
     _check_folder(path)
+    cloud = read_object(cloud)
     try:
         with np.errstate(all="ignore"), whole_file(path) as part:
             fit, notes = fitted(cloud, module.HOLDS[path.suffix.lower()], path.suffix.lower())

@@ -80,12 +80,11 @@ def evaluate(
 
 def _coordinates(cloud: Any, where: str) -> Points:
     """Clean coordinates; points without any are left out, as `lpcompare.simplify` can leave them out."""
-    points = cloud.points if isinstance(cloud, Simplification) else read_object(cloud).points
-    if isinstance(points, np.ndarray) and points.ndim == 2 and points.dtype.kind == "f":
-        valid = valid_rows(points)
-        if valid.any():
-            warn_left_out(int((~valid).sum()), len(points), where)
-            points = points[valid]
+    points = read_object(cloud.points if isinstance(cloud, Simplification) else cloud, where).points
+    valid = valid_rows(points)
+    if valid.any():
+        warn_left_out(int((~valid).sum()), len(points), where)
+        points = points[valid]
     return check_points(points, where)
 
 
