@@ -41,10 +41,7 @@ def check_points(values: object, where: str = "points") -> Points:
             f"{where} has {len(bad)} of {len(cloud)} rows with NaN, infinity or a masked value, the first is "
             f"row {bad[0]}; remove them, or say drop_invalid=True."
         )
-    check_magnitude(float(np.abs(cloud).max()), where)
-    extent = float(np.ptp(cloud, axis=0).max())
-    if 0 < extent < _SMALLEST:
-        raise InputError(f"{where} spreads over {extent:g} only, whose squares underflow; rescale it.")
+    check_magnitude(cloud.min(axis=0), cloud.max(axis=0), where)
     return cloud
 
 
@@ -115,12 +112,15 @@ def _faces(values: object, n_points: int) -> np.ndarray:
     return array.astype(np.intp, copy=False)
 
 
-def check_magnitude(largest: float, where: str) -> None:
-    """Refuse a cloud whose largest absolute coordinate cannot be squared."""
-    if largest > _LARGEST:
+def check_magnitude(low: np.ndarray, high: np.ndarray, where: str) -> None:
+    """Refuse a cloud of which the coordinates or the extent cannot be squared, by its box."""
+    if np.abs([low, high]).max() > _LARGEST:
         raise InputError(
             f"{where} has coordinates beyond {_LARGEST:g}, whose squares overflow; rescale them."
         )
+    extent = float((high - low).max())
+    if 0 < extent < _SMALLEST:
+        raise InputError(f"{where} spreads over {extent:g} only, whose squares underflow; rescale it.")
 
 
 def valid_rows(points: Points) -> Mask:

@@ -20,6 +20,7 @@ from lpcompare.io.columns import AXES, COLORS, Holds, by_name, cloud_of, columns
 from lpcompare.io.rows import LONGEST_HEADER, Damaged, check_held, decoded, numbers
 from lpcompare.types import Indices, PointCloud
 
+_NO_VIEWPOINT = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
 _NORMALS = ("normal_x", "normal_y", "normal_z")
 _PACKED = ("rgba", "rgb")
 _LARGEST_COUNT = 9999
@@ -69,7 +70,17 @@ def read(path: Path) -> PointCloud:
         fields.remove((name, key))
     others = [table[key] for _, key in fields]
     columns = by_name([*columns, *(name for name, _ in fields)], [*columns.values(), *others])
-    return cloud_of(columns, path.stem)
+    placed = viewpoint(file.head) not in ((), _NO_VIEWPOINT)
+    return cloud_of(columns, path.stem, beside=["its viewpoint, the pose of the sensor"] * placed)
+
+
+def viewpoint(head: list[bytes]) -> tuple[float, ...]:
+    """Place and rotation of the sensor, which are not applied to the coordinates; empty where none is said."""
+    words = next((decoded(line).split()[1:] for line in head if _key(line) == b"VIEWPOINT"), [])
+    try:
+        return tuple(map(float, words))
+    except ValueError:
+        return ()
 
 
 def write(path: Path, cloud: PointCloud) -> None:
@@ -91,7 +102,7 @@ def write(path: Path, cloud: PointCloud) -> None:
         "SIZE": [kind.base.itemsize for kind in kinds],
         "TYPE": [kind.base.kind.upper() for kind in kinds],
         "COUNT": [kind.itemsize // kind.base.itemsize for kind in kinds],
-        **{"WIDTH": [len(cloud)], "HEIGHT": [1], "VIEWPOINT": ["0.0 0.0 0.0 1.0 0.0 0.0 0.0"]},
+        **{"WIDTH": [len(cloud)], "HEIGHT": [1], "VIEWPOINT": _NO_VIEWPOINT},
         **{"POINTS": [len(cloud)], "DATA": ["binary"]},
     }
     with path.open("wb") as file:

@@ -333,6 +333,8 @@ def _scan(lines: list[bytes], start: int) -> NDArray[np.float64]:
     table = numbers(lines[start + _PTX_HEADER : start + _PTX_HEADER + promised])
     if matrix.shape != (4, 4) or table.shape[1] not in (3, 4, 7):
         raise Damaged(f"a scan has a matrix of shape {matrix.shape} and {table.shape[1]} columns")
+    if not np.isfinite(matrix).all() or np.linalg.matrix_rank(matrix[:3, :3]) < 3:
+        raise Damaged("a scan has a matrix that turns its points into less than space")
     table[~table[:, :3].any(axis=1), :3] = np.nan
     table[:, :3] = table[:, :3] @ matrix[:3, :3] + matrix[3, :3]
     return table

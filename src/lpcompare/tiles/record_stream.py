@@ -29,6 +29,7 @@ class _Layout:
     axes: tuple[str, ...]
     head: Callable[[int], bytes]
     note: str = ""
+    viewpoint: tuple[float, ...] = ()
 
 
 def count_points(path: Path) -> int:
@@ -62,6 +63,10 @@ def writer(path: Path, source: Path, count: int) -> Iterator[Append]:
         def append(other: Path, records: NDArray[Any]) -> None:
             if np.dtype((records.dtype, records.shape[1:])) != layout.kind:
                 raise Damaged(f"{other.name} has other properties than {source.name}")
+            if other != source and _layout(other).viewpoint != layout.viewpoint:
+                raise Damaged(
+                    f"{other.name} has another viewpoint than {source.name}; write to a folder instead"
+                )
             file.write(records.tobytes())
 
         yield append
@@ -108,7 +113,8 @@ def _pcd(_: Path, content: bytes) -> _Layout:
     def copy(count: int) -> bytes:
         return pcd.head_of(file.head, count) + b"DATA binary\n"
 
-    return _Layout(file.count, start, file.kind, tuple(axes[name] for name in _axes(list(axes))), copy)
+    names = tuple(axes[name] for name in _axes(list(axes)))
+    return _Layout(file.count, start, file.kind, names, copy, viewpoint=pcd.viewpoint(file.head))
 
 
 def _npy(path: Path, _: bytes) -> _Layout:

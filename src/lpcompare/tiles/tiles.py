@@ -55,7 +55,7 @@ def whole(job: Job, cuts: NDArray[np.float64] | None) -> None:
     )
     if not n_points:
         raise InputError(f"{_names(job)}: no point has three finite coordinates; give at least one.")
-    check_magnitude(float(np.abs([low, high]).max()), _names(job))
+    check_magnitude(low, high, _names(job))
     if job.target_count > n_points:
         raise InputError(
             f"target_count is {job.target_count}; "

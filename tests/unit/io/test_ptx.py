@@ -42,6 +42,8 @@ def test_colours_that_a_scan_does_not_have_are_nan_and_said_when_written(tmp_pat
         (f"-2\n-2\n{POSE}{STRAIGHT}{POINTS}", "promises -2 x -2 points"),
         (f"2\n2\n{POSE}{STRAIGHT}{POINTS}2\n2\n", "a scan ends in its header, after 2 of 10 lines"),
         (f"2\n2\n{POSE}{STRAIGHT}" + "1 2\n" * 4, r"a matrix of shape \(4, 4\) and 2 columns"),
+        (f"2\n2\n{POSE}" + "0 0 0 0\n" * 4 + POINTS, "less than space"),
+        (f"2\n2\n{POSE}nan{STRAIGHT[1:]}{POINTS}", "less than space"),
         ("\n\n", "holds no points"),
     ],
 )

@@ -239,6 +239,24 @@ def test_pcd_keeps_values_comments_packed_colour_encoding_and_viewpoint(encoding
     assert np.array_equal(after.attributes["ring"], table["f4"][ROWS])
 
 
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("VIEWPOINT 1 2 3 1 0 0 0\n", True),
+        ("VIEWPOINT 0 0 0 1 0 0 0\n", False),
+        ("", False),
+        ("VIEWPOINT a\n", False),
+    ],
+)
+def test_a_viewpoint_of_pcd_that_does_not_travel_is_said(line, said, tmp_path):
+    head = (
+        f"FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 2\nHEIGHT 1\n{line}POINTS 2\nDATA ascii\n"
+    )
+    (tmp_path / "a.pcd").write_text(f"{head}1 2 3\n4 5 6\n")
+    notes = write(tmp_path / "a.ply", read(tmp_path / "a.pcd"))
+    assert notes == ("its viewpoint, the pose of the sensor left out",) * said
+
+
 def pcd_body(encoding, table):
     """The line DATA and what follows it."""
     begin = f"DATA {encoding.value}\n".encode()

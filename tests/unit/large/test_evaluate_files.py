@@ -63,7 +63,9 @@ def test_points_left_out_are_said_as_in_memory(tmp_path, holes):
     assert said == [wanted, wanted]
 
 
-@pytest.mark.parametrize(("value", "says"), [(np.nan, "no point"), (1e200, "overflow")])
+@pytest.mark.parametrize(
+    ("value", "says"), [(np.nan, "no point"), (1e200, "overflow"), (1e-200, "underflow")]
+)
 def test_coordinates_that_cannot_be_measured_are_refused(tmp_path, value, says):
     original, reduced = np.full((50, 3), value), np.random.default_rng(0).random((5, 3))
     original[:, 0] *= np.arange(50)

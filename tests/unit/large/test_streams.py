@@ -155,3 +155,14 @@ def test_waveforms_are_said_and_not_mixed(tmp_path):
         append(tmp_path / "a.las", read_rows(tmp_path / "a.las", 0, 3)[1])
         with pytest.raises(Damaged, match="waveforms of their own"):
             append(tmp_path / "b.las", read_rows(tmp_path / "b.las", 0, 3)[1])
+
+
+def test_scans_of_other_viewpoints_are_not_mixed(tmp_path):
+    for name in "ab":
+        write(tmp_path / f"{name}.pcd", PointCloud(np.eye(3)))
+    content = (tmp_path / "b.pcd").read_bytes()
+    (tmp_path / "b.pcd").write_bytes(content.replace(b"VIEWPOINT 0.0", b"VIEWPOINT 7.0"))
+    with writer(tmp_path / "both.pcd", tmp_path / "a.pcd", 6) as append:
+        append(tmp_path / "a.pcd", read_rows(tmp_path / "a.pcd", 0, 3)[1])
+        with pytest.raises(Damaged, match="another viewpoint than"):
+            append(tmp_path / "b.pcd", read_rows(tmp_path / "b.pcd", 0, 3)[1])
