@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 import shutil
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
@@ -29,6 +30,9 @@ from lpcompare.tiles.streams import count_points
 from lpcompare.tiles.tasks import Executor, Task
 from lpcompare.tiles.tiles import reading
 from lpcompare.types import PointCloud
+
+_LONGEST_NAME = 255
+"""Bytes of a file's name that file systems take."""
 
 TILED = {
     "lp_density": "tiled_density",
@@ -220,11 +224,12 @@ def spill_folder(output: Path, spill: str | Path | None) -> Path:
     """Where the tiles go: the folder that is named, or a hidden one beside the output."""
     if spill is not None:
         return Path(spill).absolute()
-    return (
-        output.absolute() / ".spill"
-        if output.is_dir()
-        else output.absolute().with_name(f".{output.name}.spill")
-    )
+    if output.is_dir():
+        return output.absolute() / ".spill"
+    name = f".{output.name}.spill"
+    if len(os.fsencode(name)) > _LONGEST_NAME:
+        name = f".{hashlib.sha256(os.fsencode(name)).hexdigest()}.spill"
+    return output.absolute().with_name(name)
 
 
 @contextmanager

@@ -245,3 +245,12 @@ def test_numbers_that_count_nothing_are_refused(files, tmp_path, name, value):
     with pytest.raises(InputError, match=name):
         thin(files[".npy"], tmp_path / "thin.npy", **{name: value})
     assert not (tmp_path / "thin.npy").exists()
+
+
+@pytest.mark.parametrize("letter", ["e", "ü"])
+def test_the_longest_name_of_a_file_has_a_place_for_its_tiles(files, tmp_path, letter):
+    name = letter * (251 // len(letter.encode())) + ".npy"
+    thin(files[".npy"], tmp_path / name, method="random_sample", n_tiles=3)
+    assert [path.name for path in tmp_path.iterdir()] == [name]
+    assert lpcompare.evaluate_files(files[".npy"], tmp_path / name)["plane_error_pct"] > 0
+    assert [path.name for path in tmp_path.iterdir()] == [name]
