@@ -37,6 +37,23 @@ def test_page_names_every_method_status_and_reason_and_the_command(plain_run, tm
     assert "first_rows" in text_of(write_page(plain_run / "run.json", tmp_path / "again.html"))
 
 
+@pytest.mark.parametrize("part", ["environment", "plan", "inputs", "records"])
+def test_a_run_that_says_little_has_a_page(plain_run, tmp_path, part):
+    run = json.loads((plain_run / "run.json").read_text(encoding="utf-8"))
+    run[part] = type(run[part])()
+    (tmp_path / "run.json").write_text(json.dumps(run), encoding="utf-8")
+    assert "</html>" in text_of(write_page(tmp_path))
+
+
+def test_points_that_no_method_saw_are_on_the_page(plain_run, tmp_path):
+    run = json.loads((plain_run / "run.json").read_text(encoding="utf-8"))
+    for facts in run["inputs"].values():
+        assert "left_out" not in facts
+        facts["left_out"] = "7 points without coordinates"
+    (tmp_path / "run.json").write_text(json.dumps(run), encoding="utf-8")
+    assert "left_out 7 points without coordinates" in text_of(write_page(tmp_path))
+
+
 def test_the_heading_is_the_studys_title_and_the_model_where_there_is_none(plain_run, tmp_path):
     run = json.loads((plain_run / "run.json").read_text(encoding="utf-8"))
     assert "<h1>dented</h1>" in text_of(write_page(plain_run, tmp_path / "page.html"))
