@@ -151,3 +151,15 @@ def test_ctrl_c_leaves_nothing_running_and_names_the_folder(scan, tmp_path, opti
     assert (spill / "job.json").exists()
     assert not (tmp_path / "thin.npy").exists()
     assert bool(children) == bool(options)
+
+
+def test_evaluate_says_what_it_leaves_out(lpcompare, scan, tmp_path):
+    points = np.load(scan)[::9].copy()
+    points[:2] = np.nan
+    np.save(tmp_path / "thin.npy", points)
+    done = lpcompare("evaluate", scan, tmp_path / "thin.npy")
+    assert done.returncode == 0, done.stderr
+    assert done.stderr == (
+        "lpcompare: The reduced cloud: 2 of 556 points have no finite coordinates and are left out.\n"
+    )
+    assert "plane_error_pct" in done.stdout

@@ -178,7 +178,9 @@ def test_points_without_coordinates_are_left_out_and_counted(lpcompare, tmp_path
     done = lpcompare("run", "--model", tmp_path / "holes.npy", *QUICK, "--out", tmp_path / "run")
     assert done.returncode == 0, done.stderr
     assert "2 of 300 points have no finite coordinates and are left out." in done.stderr
-    assert {r.n_input for r in load_run(tmp_path / "run").records} == {298}
+    run = load_run(tmp_path / "run")
+    assert {r.n_input for r in run.records} == {298}
+    assert run.inputs["holes"]["left_out"] == "2 points without coordinates"
 
 
 def test_a_studys_title_stays_until_a_flag_replaces_a_field_of_the_study(lpcompare, tmp_path, cloud_file):
