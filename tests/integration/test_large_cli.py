@@ -163,3 +163,12 @@ def test_evaluate_says_what_it_leaves_out(lpcompare, scan, tmp_path):
         "lpcompare: The reduced cloud: 2 of 556 points have no finite coordinates and are left out.\n"
     )
     assert "plane_error_pct" in done.stdout
+
+
+@pytest.mark.skipif(os.name == "nt", reason="a shell of POSIX closes the streams")
+@pytest.mark.parametrize("closed", ["<&-", ">&-", "2>&-", "<&- >&- 2>&-"])
+def test_closed_streams_end_nothing(scan, tmp_path, closed):
+    command = f"exec {sys.executable} -m lpcompare.cli evaluate {scan} {scan} {closed}"
+    done = subprocess.run(["sh", "-c", command], capture_output=True, text=True, timeout=100, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert ("plane_error_pct" in done.stdout) == (closed in ("<&-", "2>&-"))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 import warnings
+from contextlib import suppress
 from importlib import import_module
 from io import TextIOWrapper
 from pkgutil import iter_modules
@@ -57,6 +58,7 @@ def _root(
 
 def main() -> None:
     """Run ``lpcompare``; what is wrong with the input is one sentence on stderr and exit code 2."""
+    _open_streams()
     warnings.showwarning = lambda message, *_, **__: complain(str(message))
     if isinstance(sys.stdout, TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")  # as standard error does, in any encoding
@@ -68,6 +70,16 @@ def main() -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     except OSError as error:
         _quit(f"{error.filename or 'The system'}: {error.strerror or error}.")
+
+
+def _open_streams() -> None:
+    """Give each standard stream that was closed the null device, so that no file takes its number."""
+    for number, name in enumerate(("stdin", "stdout", "stderr")):
+        if getattr(sys, name) is None:
+            with suppress(OSError):
+                os.close(number)
+            os.open(os.devnull, os.O_RDWR)  # the lowest number that is free
+            setattr(sys, name, open(number, "w" if number else "r", encoding="utf-8", closefd=False))  # noqa: SIM115
 
 
 def _quit(sentence: str) -> None:
