@@ -7,8 +7,10 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from lpcompare.large.shares import largest_remainder
-from lpcompare.tiles.tasks import Executor, Task
 from lpcompare.large.tiled_voxels import count_occupied
+from lpcompare.tiles.colors import coloring, earlier
+from lpcompare.tiles.job import Job
+from lpcompare.tiles.tasks import Executor, Task
 from lpcompare.tiles.tiles import around, cut, distances_to_box, reading, spilling, tile_of, uniform
 from lpcompare_baselines._cells import grid_cells, n_occupied
 
