@@ -116,7 +116,7 @@ def _eliminate(
     for step in range(n - n_left):
         row = last - pop(heap, n - step, places, keys)
         gone[step] = row
-        _leave(slots, starts, ends, cells[row], row)
+        _leave(slots, starts, ends, int(cells[row]), row)
         for other in range(_terms(points, grid, row, reach, least, near, terms)):
             entry = last - near[other]
             keys[entry] += terms[other]

@@ -66,7 +66,9 @@ def check_cloud(cloud: PointCloud) -> PointCloud:
     """
     points = check_coordinates(cloud.points)
     if not isinstance(cloud.attributes, Mapping) or not all(isinstance(a, str) for a in cloud.attributes):
-        raise InputError("attributes must be a mapping from names to arrays; {} is none.")
+        raise InputError(
+            f"attributes is {cloud.attributes!r:.80}; give a dict of arrays by name, {{}} for none."
+        )
     if not isinstance(cloud.name, str):
         raise InputError(f"name is {cloud.name!r}; give a text.")
     n_points = len(points)
