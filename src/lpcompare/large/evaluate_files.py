@@ -19,6 +19,7 @@ from lpcompare.checks import warn_left_out
 from lpcompare.errors import InputError
 from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.geometry.planes import fit_planes, plane_distances
+from lpcompare.io import read
 from lpcompare.geometry.scale import bounding_box_center
 from lpcompare.large.estimate import check_disk, estimate
 from lpcompare.large.simplify_files import some_client, spill_folder, spilling_folder
@@ -52,9 +53,10 @@ def evaluate_files(
     Parameters
     ----------
     original : path or iterable of path
-        As the inputs of `simplify_files`.
+        As the inputs of `simplify_files`; or files of any format that `read` knows. One that cannot be read in
+        parts is read whole, so that it has to fit in memory.
     reduced : path
-        The thinned cloud.
+        The thinned cloud, likewise.
     n_tiles, memory, spill, callback, client, workers
         As in `simplify_files`; the figures do not depend on them.
 
@@ -106,7 +108,19 @@ def evaluate_files(
 
 def _job(folder: Path, files: str | Path | Iterable[str | Path]) -> Job:
     paths = local_files(files, folder / "inputs")
-    return Job(folder, tuple((path, count_points(path)) for path in paths), 1, "evaluate")
+    counted = tuple(_in_parts(path, folder / f"whole-{i}.npy") for i, path in enumerate(paths))
+    return Job(folder, counted, 1, "evaluate")
+
+
+def _in_parts(path: Path, copy: Path) -> tuple[Path, int]:
+    """A file that can be read in parts and its points; where ``path`` cannot, its coordinates as ``copy``."""
+    try:
+        return path, count_points(path)
+    except InputError:
+        points = read(path).points  # says what is wrong where the file is not good at all
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        np.save(copy, points)
+        return copy, len(points)
 
 
 def _spill(whole: Job, few: Job, executor: Executor) -> None:

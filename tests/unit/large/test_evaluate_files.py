@@ -23,6 +23,31 @@ def test_figures_are_those_in_memory(sheet, files, tmp_path, n_tiles):
     assert list(tmp_path.iterdir()) == [tmp_path / "thin.npy"]
 
 
+@pytest.mark.parametrize("ending", [".xyz", ".csv", ".obj", ".ply", ".npz"])
+def test_what_cannot_be_read_in_parts_is_read_whole(sheet, tmp_path, ending):
+    """The PLY is a text file."""
+    names = [str(tmp_path / f"{name}{ending}") for name in ("whole", "thin")]
+    for name, points in zip(names, (sheet, sheet[::9]), strict=True):
+        lpcompare.write(name, lpcompare.PointCloud(points))
+        if ending == ".ply":
+            lines = "".join(f"{x!r} {y!r} {z!r}\n" for x, y, z in points.tolist())
+            head = "".join(f"property double {axis}\n" for axis in "xyz")
+            text = f"ply\nformat ascii 1.0\nelement vertex {len(points)}\n{head}end_header\n{lines}"
+            (tmp_path / name).write_text(text)
+    known = lpcompare.evaluate(lpcompare.read(names[0]), lpcompare.read(names[1]), metrics=QUICK[:1])
+    found = lpcompare.evaluate_files(*names)
+    assert found["plane_error"] == pytest.approx(known["plane_error"], rel=1e-9)
+    assert len(list(tmp_path.iterdir())) == 2
+
+
+def test_a_file_that_is_no_cloud_is_refused(sheet, tmp_path):
+    np.save(tmp_path / "whole.npy", sheet)
+    (tmp_path / "thin.xyz").write_text("no numbers at all\n")
+    with pytest.raises(InputError, match="thin.xyz"):
+        lpcompare.evaluate_files(tmp_path / "whole.npy", tmp_path / "thin.xyz")
+    assert len(list(tmp_path.iterdir())) == 2
+
+
 @pytest.mark.parametrize("n_kept", [1, 2, 5])
 def test_a_few_points_are_enough(sheet, files, tmp_path, n_kept):
     np.save(tmp_path / "thin.npy", sheet[:: len(sheet) // n_kept][:n_kept])
