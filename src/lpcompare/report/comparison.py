@@ -157,7 +157,8 @@ def check_inputs(first: Run, second: Run) -> None:
         names = ", ".join(different)
         raise InputError(f"{where} were run on different inputs: {names} is not the same cloud.")
     if not ours.keys() & theirs.keys():
-        raise InputError(f"{where} share no input: {', '.join(ours)} and {', '.join(theirs)}.")
+        names = (", ".join(inputs) or "none" for inputs in (ours, theirs))
+        raise InputError(f"{where} share no input: {' and '.join(names)}.")
 
 
 def differing_environment(first: Run, second: Run) -> dict[str, tuple[str, str]]:
