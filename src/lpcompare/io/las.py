@@ -178,7 +178,9 @@ def appending(
     with laspy.LasWriter(out, header, **how) as writer:
 
         def append(points: laspy.ScaleAwarePointRecord) -> None:
-            channels.update(np.unique(np.asarray(points["scanner_channel"], dtype=np.uint8)).tolist() if waves else ())
+            channels.update(
+                np.unique(np.asarray(points["scanner_channel"], dtype=np.uint8)).tolist() if waves else ()
+            )
             if len(channels) > 1:
                 raise InputError(
                     "A LAZ of this point format cannot keep the wave packets of several scanner channels, "

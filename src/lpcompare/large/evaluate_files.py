@@ -19,8 +19,8 @@ from lpcompare.checks import warn_left_out
 from lpcompare.errors import InputError
 from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.geometry.planes import fit_planes, plane_distances
-from lpcompare.io import read
 from lpcompare.geometry.scale import bounding_box_center
+from lpcompare.io import read
 from lpcompare.large.estimate import check_disk, estimate
 from lpcompare.large.simplify_files import some_client, spill_folder, spilling_folder
 from lpcompare.progress import Callback

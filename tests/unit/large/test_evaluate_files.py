@@ -43,7 +43,7 @@ def test_what_cannot_be_read_in_parts_is_read_whole(sheet, tmp_path, ending):
 def test_a_file_that_is_no_cloud_is_refused(sheet, tmp_path):
     np.save(tmp_path / "whole.npy", sheet)
     (tmp_path / "thin.xyz").write_text("no numbers at all\n")
-    with pytest.raises(InputError, match="thin.xyz"):
+    with pytest.raises(InputError, match=r"thin\.xyz"):
         lpcompare.evaluate_files(tmp_path / "whole.npy", tmp_path / "thin.xyz")
     assert len(list(tmp_path.iterdir())) == 2
 
