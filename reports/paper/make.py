@@ -2,7 +2,8 @@
 
     python reports/paper/make.py [--model NAME] [--out FOLDER]
 
-A folder that was left unfinished is continued. The default models are the paper's two, if they can be had.
+A folder that was left unfinished is continued from the same commit, and made anew from another.
+The default models are the paper's two, if they can be had.
 """
 
 from __future__ import annotations
@@ -46,7 +47,7 @@ def reproduce(
 ) -> Path:
     """Make every table and figure of the paper again.
 
-    A folder that an earlier call left unfinished is taken up where it ended.
+    A folder that an earlier call from the same commit left unfinished is taken up where it ended.
 
     Parameters
     ----------
@@ -73,6 +74,7 @@ def reproduce(
     """
     lab, models = Lab(clouds), tuple(clouds)
     folder.mkdir(parents=True, exist_ok=True)
+    made = _begin(folder, _how(command, left_out))
     tables = {e.name: Table(folder / f"{e.name}.csv", e.keys) for e in EXPERIMENTS}
     for experiment in EXPERIMENTS:
         cases = list(experiment.cases(models))
@@ -80,11 +82,19 @@ def reproduce(
         for done, _ in enumerate(tables[experiment.name].fill(cases, measure), 1):
             _tell(progress, experiment.title, done, len(cases))
     _draw(lab, folder, tables, progress)
-    made = _how(command, left_out)
-    replace_text(folder / "made.json", json.dumps(made, indent=1) + "\n")
     page = folder / "README.md"
     replace_text(page, render({name: table.rows for name, table in tables.items()}, made))
     return page
+
+
+def _begin(folder: Path, made: dict[str, Any]) -> dict[str, Any]:
+    """Empty a folder that was made from another commit, and write how it is made now."""
+    before = folder / "made.json"
+    if before.exists() and json.loads(before.read_text(encoding="utf-8"))["commit"] != made["commit"]:
+        for path in (*folder.glob("*.csv"), *folder.glob("*.png")):
+            path.unlink()
+    replace_text(before, json.dumps(made, indent=1) + "\n")
+    return made
 
 
 def _tell(progress: Progress | None, what: str, done: int, total: int) -> None:

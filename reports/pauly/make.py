@@ -4,8 +4,8 @@ Run it from the root of the repository::
 
     python reports/pauly/make.py --models FOLDER
 
-FOLDER holds the folders ``upstream`` and ``scans``. A case that records.csv already has is not made again:
-delete the file to begin anew. With ``--page`` nothing is measured.
+FOLDER holds the folders ``upstream`` and ``scans``. A case that records.csv already has from the same commit is not
+made again. With ``--page`` nothing is measured.
 """
 
 from __future__ import annotations
@@ -133,6 +133,10 @@ def _number(text: str) -> str | float:
 
 def run(folder: Path) -> None:
     """Measure the cases that records.csv does not have, and add each as soon as it is there."""
+    facts = capture((*FOUR, *OTHERS), 0)
+    if not MADE.exists() or json.loads(MADE.read_text(encoding="utf-8"))["commit"] != facts["commit"]:
+        RECORDS.unlink(missing_ok=True)  # of another commit
+        MADE.write_text(json.dumps(facts, indent=1) + "\n", encoding="utf-8")
     done = {(r["model"], r["method"], r["settings"], int(r["target_count"])) for r in read_records()}
     clouds: dict[str, lp.PointCloud] = {}
     if not done:
@@ -157,7 +161,6 @@ def run(folder: Path) -> None:
             continue
         with RECORDS.open("a", newline="", encoding="utf-8") as file:
             csv.DictWriter(file, COLUMNS).writerow(row | {"target_count": target})
-    MADE.write_text(json.dumps(capture((*FOUR, *OTHERS), 0), indent=1) + "\n", encoding="utf-8")
 
 
 def figure_13(rows: list[Row]) -> list[str]:
