@@ -11,6 +11,8 @@ triangles around the nearest of them. Planes smooth; triangles feel a rim that i
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 from numba import njit
 
@@ -93,8 +95,7 @@ class Neighborhoods:
 
     def swap(self, dropped: Indices, added: Indices) -> None:
         """Replace kept points, and bring up to date the originals whose neighbours change."""
-        change = _Change(self._after(dropped, added), added, len(self.points), int(self._sizes[-1]))
-        self._renew(change, dropped, self._planes, stored=True)
+        change = self._renew(dropped, added, self._planes, stored=True)
         if self._share > 0:
             self._measure_triangles(change, self._triangles)
         self.kept, self._slots = change.kept, change.slots
@@ -102,39 +103,36 @@ class Neighborhoods:
 
     def try_swap(self, dropped: Indices, added: Indices) -> Vector:
         """The errors of the originals, shape (n,), if the points were swapped; nothing changes."""
-        change = _Change(self._after(dropped, added), added, len(self.points), int(self._sizes[-1]))
         planes, triangles = self._planes.copy(), self._triangles
-        self._renew(change, dropped, planes, stored=False)
+        change = self._renew(dropped, added, planes, stored=False)
         if self._share > 0:
-            rows, triangles = change.stale, triangles.copy()
-            stars = self._stars.take(rows)
+            triangles, stars = triangles.copy(), self._stars.take(change.stale)
             self._measure_triangles(change, triangles)
-            self._stars.put(rows, stars)
+            self._stars.put(change.stale, stars)
         return self._mixed(planes, triangles)
-
-    def _after(self, dropped: Indices, added: Indices) -> Indices:
-        """The kept points after a swap, ascending."""
-        return np.sort(np.concatenate([np.setdiff1d(self.kept, dropped, assume_unique=True), added]))
 
     def _mixed(self, planes: Vector, triangles: Vector) -> Vector:
         return (1 - self._share) * planes + self._share * _TRIANGLE_SCALE * triangles
 
-    def _renew(self, change: _Change, dropped: Indices, planes: Vector, *, stored: bool) -> None:
-        """Fill in ``change`` and bring ``planes`` up to date; the lists and gaps as well where it is ``stored``."""
+    def _renew(self, dropped: Indices, added: Indices, planes: Vector, *, stored: bool) -> _Change:
+        """Bring ``planes`` up to date after a swap; the lists and gaps as well where it is ``stored``."""
         points, leaves = self._tree.sorted_points, self._tree.leaves
         leaving = np.zeros(len(points), dtype=np.bool_)
         leaving[dropped] = True
-        arriving, all_kept = Neighbors(points[change.added]), Neighbors(points[change.kept])
+        kept = np.sort(np.concatenate([self.kept[~leaving[self.kept]], added]))
+        change = _Change(kept, added, len(points), int(self._sizes[-1]))
+        arriving, all_kept = Neighbors(points[added]), Neighbors(points[kept])
         state = self.lists, self.counts, self._radii, self.gaps
         results = planes, change.firsts, change.sites, change.slots, change.nearest
-        arrivals = (*arriving.arrays, change.added[arriving.order])
-        everyone = (*all_kept.arrays, change.kept[all_kept.order])
+        arrivals = (*arriving.arrays, added[arriving.order])
+        everyone = (*all_kept.arrays, kept[all_kept.order])
 
         def renew(block: slice) -> None:
             some = leaves[block.start : block.stop + 1]
             _renew(some, points, state, results, leaving, arrivals, everyone, self._sizes, stored)
 
         for_blocks(len(leaves) - 1, renew, size=_LEAVES)
+        return change
 
     def _measure_triangles(self, change: _Change, triangles: Vector) -> None:
         """Distance of the originals to the stars of their three nearest kept points, where one is another.
@@ -153,7 +151,7 @@ class Neighborhoods:
 
 
 class _Change:
-    """What a swap of kept points leads to.
+    """What a swap of kept points leads to, once `_renew` has filled in ``firsts``, ``sites`` and ``nearest``.
 
     Attributes
     ----------
@@ -177,7 +175,7 @@ class _Change:
         self.sites = np.empty((n_points, _STARS), dtype=np.int32)
         self.nearest = np.empty((len(kept), n_nearest), dtype=np.int32)
 
-    @property
+    @cached_property
     def stale(self) -> Indices:
         """The kept points whose neighbours change, and those that arrive."""
         touched = self.firsts < self.nearest.shape[1]
