@@ -8,11 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from lpcompare.geometry.scale import bounding_box_center
 from lpcompare.types import Indices, Points
-from lpcompare_baselines._programs import through_program
-
-_TYPE = [("x", "<f8"), ("y", "<f8"), ("z", "<f8"), ("row", "<i4")]
+from lpcompare_baselines._programs import numbered, through_program
 
 
 def translate(points: Points, name: str, **options: float) -> Indices:
@@ -29,10 +26,7 @@ def translate(points: Points, name: str, **options: float) -> Indices:
     **options : float
         Its options.
     """
-    table = np.empty(len(points), dtype=_TYPE)
-    columns = (*(points - bounding_box_center(points)).T, np.arange(len(points)))
-    for (field, _), column in zip(_TYPE, columns, strict=True):
-        table[field] = column
+    table = numbered(points, "<f8", [("row", "<i4", np.arange(len(points)))])
     chosen = [f"--{name}.{option}={value:.17g}" for option, value in options.items()]
     words = [
         "pdal",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import subprocess
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -13,7 +13,29 @@ import numpy as np
 from numpy.typing import NDArray
 from plyfile import PlyData
 
+from lpcompare.geometry.scale import bounding_box_center
+from lpcompare.types import Points
+
 _PLY_NAMES = {"f4": "float", "f8": "double", "i4": "int"}
+
+
+def numbered(points: Points, kind: str, rows: Iterable[tuple[str, str, NDArray[Any]]]) -> NDArray[Any]:
+    """A table for `through_program`: a cloud about the centre of its bounding box, and what says its rows.
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, 3)
+    kind : str
+        Of the fields x, y and z.
+    rows : iterable of (str, str, ndarray)
+        Name, kind and values (n,) of each further field.
+    """
+    axes = zip("xyz", (kind,) * 3, (points - bounding_box_center(points)).T, strict=True)
+    names, kinds, columns = zip(*axes, *rows, strict=True)
+    table = np.empty(len(points), dtype=list(zip(names, kinds, strict=True)))
+    for name, column in zip(names, columns, strict=True):
+        table[name] = column
+    return table
 
 
 def through_program(table: NDArray[Any], words: Sequence[str], **environment: str) -> NDArray[Any]:
