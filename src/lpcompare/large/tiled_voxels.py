@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpcompare.tiles.job import Arrays, Job
-from lpcompare.tiles.tiles import Run, around, spilling, take, tile_tasks
-from lpcompare.types import Indices, Mask, Points, Vector
+from lpcompare.tiles.tiles import Run, around, bounds_of, spilling, take, tile_tasks
+from lpcompare.types import Indices, Mask, Points
 from lpcompare_baselines._calibration import search_size, surface_spacing
 from lpcompare_baselines._cells import cell_means, finest_cell
 
@@ -56,7 +56,7 @@ def count_cubes(job: Job, tile: int, *, name: str, edge: float) -> None:
     """
     whole = job.load("whole")
     cubes = _cube_of(np.asarray(job.map_array("points", tile)), whole, edge)
-    low, high = (_cube_of(end, whole, edge) for end in _bounds(whole, tile, 2 * edge))
+    low, high = (_cube_of(end, whole, edge) for end in bounds_of(whole, tile, 2 * edge))
     cut = (cubes <= low).any(axis=1) | (cubes >= high).any(axis=1)
     numbers = _number(cubes, whole, edge)
     job.save(name, tile, count=len(np.unique(numbers[~cut])), shared=np.unique(numbers[cut]))
@@ -71,19 +71,6 @@ def _number(cubes: NDArray[np.int64], whole: Arrays, edge: float) -> NDArray[np.
     """One number for each cube, shape (n,)."""
     _, along_y, along_z = _cube_of(whole["high"], whole, edge) + 1
     return (cubes[:, 0] * along_y + cubes[:, 1]) * along_z + cubes[:, 2]
-
-
-def _bounds(whole: Arrays, tile: int, beyond: float) -> tuple[Vector, Vector]:
-    """Low and high corner of the part of space that a tile is; without a cut, so far beyond the cloud."""
-    low, high, cuts = whole["low"] - beyond, whole["high"] + beyond, whole["cuts"]
-    child = -1 - tile
-    for node in range(len(cuts) - 1, -1, -1):  # children come after their cut
-        axis, place, left, right = cuts[node]
-        if child in (left, right):
-            end, tighter = (high, np.minimum) if child == left else (low, np.maximum)
-            end[int(axis)] = tighter(end[int(axis)], place)
-            child = node
-    return low, high
 
 
 class _Cubes(NamedTuple):

@@ -128,6 +128,19 @@ def tile_of(points: Points, cuts: NDArray[np.float64]) -> Indices:
     return tiles
 
 
+def bounds_of(whole: Arrays, tile: int, beyond: float) -> tuple[Vector, Vector]:
+    """Low and high corner of the part of space that a tile is; without a cut, so far beyond the cloud."""
+    low, high, cuts = whole["low"] - beyond, whole["high"] + beyond, whole["cuts"]
+    child = -1 - tile
+    for node in range(len(cuts) - 1, -1, -1):  # children come after their cut
+        axis, place, left, right = cuts[node]
+        if child in (left, right):
+            end, tighter = (high, np.minimum) if child == left else (low, np.maximum)
+            end[int(axis)] = tighter(end[int(axis)], place)
+            child = node
+    return low, high
+
+
 def spill(job: Job, number: int) -> None:
     """Write the points and rows of one block, sorted by tile."""
     points, rows = valid_points(job, job.blocks[number])
