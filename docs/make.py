@@ -7,6 +7,7 @@ A page marks such a part with ``<!-- made by docs/make.py: NAME -->`` before it 
 from __future__ import annotations
 
 import csv
+import json
 import math
 import re
 import runpy
@@ -250,6 +251,27 @@ def rivals() -> Iterator[str]:
     )
 
 
+def benchmarks() -> Iterator[str]:
+    """Every benchmark of the baseline, from reports/benchmarks."""
+    yield from runpy.run_path(str(REPORTS / "benchmarks" / "draw.py"))["table"]()
+
+
+def made() -> Iterator[str]:
+    """When, where and in how many seconds each study was made, as reports/make.py has noted it."""
+    noted = json.loads((REPORTS / "made.json").read_text(encoding="utf-8"))
+    rows = [
+        [f"`{name}`", row["commit"][:12], row["date"], row["machine"], f"{row['seconds']:,}"]
+        for name, row in noted.items()
+        if "commit" in row
+    ]
+    yield from markdown_table(["step", "commit", "made", "machine", "wall time, s"], rows, "---")
+
+
+def index() -> Iterator[str]:
+    """The claims with interval, file and command."""
+    yield runpy.run_path(str(REPORTS / "claims.py"))["index"]()
+
+
 def claims() -> Iterator[str]:
     """The README's table."""
     yield runpy.run_path(str(REPORTS / "claims.py"))["table"]()
@@ -336,6 +358,9 @@ PARTS = {
         rivals,
         claims,
         evidence,
+        index,
+        made,
+        benchmarks,
         command,
         python,
         metrics,
@@ -347,7 +372,8 @@ PARTS = {
 def pages() -> Iterator[tuple[Path, str]]:
     """Every page with a made part, and the text that it should have."""
     yield DOCS / "methods.md", method_page()
-    for path in [DOCS.parent / "README.md", *sorted(DOCS.rglob("*.md")), REPORTS / "uniform" / "README.md"]:
+    reports = [REPORTS / folder / "README.md" for folder in (".", "uniform", "benchmarks")]
+    for path in [DOCS.parent / "README.md", *sorted(DOCS.rglob("*.md")), *reports]:
         text = path.read_text(encoding="utf-8")
         made = PART.sub(lambda m: m[1] + "\n" + "\n".join(PARTS[m[2]]()).rstrip() + "\n\n" + m[3], text)
         if PART.search(text):

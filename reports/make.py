@@ -5,7 +5,8 @@ Run it from the root of the repository::
     python reports/make.py --models FOLDER [--only NAME ...]
 
 FOLDER holds the folders ``upstream`` and ``scans``. A step that was made from the commit that is checked out is
-passed over; a run that was stopped is continued. ``reports/local`` holds the runs and what was made.
+passed over; a run that was stopped is continued. ``reports/local`` holds the runs; ``reports/made.json`` says of
+every step with which commit, when, on which machine and in how many seconds it was made.
 """
 
 from __future__ import annotations
@@ -17,9 +18,12 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from typing import Any
+
+from lpcompare.benchmark.environment import capture
 
 ROOT = Path(__file__).resolve().parents[1]
-LOCAL, MADE = ROOT / "reports" / "local", ROOT / "reports" / "local" / "made.json"
+LOCAL, MADE = ROOT / "reports" / "local", ROOT / "reports" / "made.json"
 DATA = ("run.json", "records.csv")
 KEPT = {**dict.fromkeys(("bunny", "methods", "robustness"), (*DATA, "README.md")), "seeds": DATA}
 """What is committed of the folder of each run."""
@@ -75,17 +79,20 @@ def steps(models: Path) -> dict[str, list[Words]]:
                 "tests/benchmarks/test_lp_filter.py",
                 "--benchmark-json=reports/benchmarks/filter.json",
             ],
+            [*python, "reports/benchmarks/draw.py"],
         ],
         "robustness": study("robustness", "fandisk", "stanford-bunny", *scanned),
         "seeds": study("seeds", "stanford-bunny", "fandisk", scanned[0], jobs=2),
-        "pictures": [[*python, "reports/pictures/draw.py", "reports/local/bunny"]],
+        "pictures": [
+            [*python, "reports/pictures/draw.py", "reports/local/bunny"],
+            [*python, "reports/methods/draw.py"],
+        ],
         "texts": [[*python, "docs/make.py"]],
     }
 
 
-def make(name: str, commands: list[Words], models: Path) -> float:
-    """Run the commands of a step, keep what is committed of it, and return the seconds."""
-    began = time.monotonic()
+def make(name: str, commands: list[Words], models: Path) -> None:
+    """Run the commands of a step, and keep what is committed of it."""
     for words in commands:
         environment = {**os.environ, "LPCOMPARE_MODELS": str(models / "upstream")}
         ended = subprocess.run(words, cwd=ROOT, check=False, env=environment).returncode
@@ -98,7 +105,23 @@ def make(name: str, commands: list[Words], models: Path) -> float:
         text = (LOCAL / name / file).read_text(encoding="utf-8")
         kept = ROOT / "reports" / name / file
         kept.write_text(text.replace(f"{models}/scans/", ""), encoding="utf-8", newline="")
-    return time.monotonic() - began
+
+
+def timed(name: str, commands: list[Words], models: Path, made: dict[str, Any]) -> None:
+    """Make a step and note it; of one that is stopped, the seconds are noted, and those of its end are added."""
+    facts = capture((), os.cpu_count() or 1)
+    noted, began = made.get(name, {}), time.monotonic()
+    before = noted["seconds"] if noted.get("stopped") == facts["commit"].rstrip("+") else 0
+    ended: dict[str, str] = {"stopped": facts["commit"].rstrip("+")}
+    try:
+        make(name, commands, models)
+        ended = {"commit": facts["commit"].rstrip("+")}
+    finally:
+        machine = f"{facts['cpu']}, {facts['cores_allowed']} cores, {facts['memory_mib'] / 1024:.0f} GiB"
+        seconds = round(before + time.monotonic() - began)
+        made[name] = {**ended, "date": facts["started"][:10], "machine": machine, "seconds": seconds}
+        MADE.write_text(json.dumps(made, indent=1) + "\n", encoding="utf-8")
+        print(f"{name}: {seconds} s", flush=True)
 
 
 def commit() -> str:
@@ -120,11 +143,7 @@ def main() -> None:
         parser.error(f"no step is called {', '.join(sorted(unknown))}; known: {', '.join(known)}")
     made = json.loads(MADE.read_text()) if MADE.exists() else {}
     for name in given.only or [n for n in known if made.get(n, {}).get("commit") != commit()]:
-        seconds = make(name, known[name], given.models.resolve())
-        made[name] = {"commit": commit(), "seconds": round(seconds)}
-        LOCAL.mkdir(parents=True, exist_ok=True)
-        MADE.write_text(json.dumps(made, indent=1) + "\n")
-        print(f"{name}: {seconds:.0f} s", flush=True)
+        timed(name, known[name], given.models.resolve(), made)
 
 
 if __name__ == "__main__":
