@@ -2,11 +2,12 @@
 
 Run it from the root of the repository::
 
-    python reports/make.py --models FOLDER [--only NAME ...]
+    python reports/make.py [--models FOLDER] [--only NAME ...]
 
-FOLDER holds the folders ``upstream`` and ``scans``. A step that was made from the commit that is checked out is
-passed over; a run that was stopped is continued. ``reports/local`` holds the runs; ``reports/made.json`` says of
-every step with which commit, when, on which machine and in how many seconds it was made.
+FOLDER holds the folders ``upstream`` and ``scans``; where it is not given, it is the one above ``LPCOMPARE_MODELS``.
+A step that was made from the commit that is checked out is passed over; a run that was stopped is continued.
+``reports/local`` holds the runs; ``reports/made.json`` says of every step with which commit, when, on which machine
+and in how many seconds it was made.
 """
 
 from __future__ import annotations
@@ -135,7 +136,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--models", type=Path, required=True)
+    upstream = os.environ.get("LPCOMPARE_MODELS")
+    above = Path(upstream).resolve().parent if upstream else None
+    parser.add_argument("--models", type=Path, default=above, required=above is None)
     parser.add_argument("--only", nargs="*", help="names of steps; these are made in any case")
     given = parser.parse_args()
     known = steps(given.models.resolve())
