@@ -6,7 +6,6 @@ A page marks such a part with ``<!-- made by docs/make.py: NAME -->`` before it 
 
 from __future__ import annotations
 
-import csv
 import json
 import math
 import re
@@ -231,24 +230,29 @@ def bunny() -> Iterator[str]:
     yield from ("```text", format_run(load_run(REPORTS / "bunny")).split("\n\n")[2].rstrip(), "```")
 
 
+def _large() -> dict[str, Any]:
+    """The functions of reports/large/tables.py."""
+    return runpy.run_path(str(REPORTS / "large" / "tables.py"))
+
+
+def seams() -> Iterator[str]:
+    """Tiles over the whole in memory."""
+    yield from _large()["seams"]()
+
+
+def stages() -> Iterator[str]:
+    """The cost of a point in each stage of tiles."""
+    yield from _large()["stages"]()
+
+
+def hours() -> Iterator[str]:
+    """Simulated hours on many workers."""
+    yield from _large()["hours"]()
+
+
 def rivals() -> Iterator[str]:
-    """Programs that thin the survey, from reports/large."""
-    with (REPORTS / "large" / "rivals.csv").open(newline="", encoding="utf-8") as file:
-        found = list(csv.DictReader(file))
-    rows = [
-        [
-            row["program"],
-            f"{int(row['kept']):,}",
-            f"{float(row['seconds']):.0f}",
-            f"{float(row['cpu_s']):.0f}",
-            f"{float(row['peak_mib']):,.0f}",
-            f"{float(row['plane_error']):.3f}",
-        ]
-        for row in sorted(found, key=lambda row: float(row["plane_error"]))
-    ]
-    yield from markdown_table(
-        ["program", "kept", "wall s", "CPU s", "peak memory, MiB", "plane error, m"], rows, "---"
-    )
+    """Programs that thin the survey."""
+    yield from _large()["rivals"]()
 
 
 def benchmarks() -> Iterator[str]:
@@ -355,6 +359,9 @@ PARTS = {
         seeds,
         times,
         bunny,
+        seams,
+        stages,
+        hours,
         rivals,
         claims,
         evidence,

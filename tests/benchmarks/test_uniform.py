@@ -138,6 +138,29 @@ def test_cost_of_a_point_in_units_of_a_neighbor_pass(benchmark, n_points, method
     benchmark.extra_info |= {"unit_s": unit, "units": took / unit, "us_per_point": 1e6 * took / n_points}
 
 
+@pytest.mark.parametrize("method", ["lp_uniform", "lp_density", "random_sample"])
+def test_tiles_against_the_whole_in_memory(benchmark, tmp_path, method):
+    """A million points, from file to file: in 8 tiles, and as a whole; above 1 the tiles are faster."""
+    u, v = np.random.default_rng(0).random((2, 1_000_000)) * 2 * np.pi
+    ring = 1 + 0.4 * np.cos(v) + 0.02 * np.sin(20 * u)
+    source, thin = tmp_path / "all.npy", tmp_path / "thin.npy"
+    np.save(source, np.column_stack([ring * np.cos(u), ring * np.sin(u), 0.4 * np.sin(v)]))
+
+    def whole():
+        cloud = lpcompare.read(source)
+        result = lpcompare.simplify(cloud, target_reduction=0.9, method=method)
+        lpcompare.write(thin, cloud.take(result.indices))
+
+    def tiles():
+        thin.unlink(missing_ok=True)
+        lpcompare.simplify_files(source, thin, target_reduction=0.9, method=method, n_tiles=8)
+
+    in_tiles, in_memory = seconds(tiles), seconds(whole)
+    benchmark.extra_info |= {"ours_s": in_tiles, "reference_s": in_memory, "ratio": in_memory / in_tiles}
+    benchmark.pedantic(tiles, rounds=1)
+    assert len(np.load(thin)) == 100_000
+
+
 def test_whole_method_against_the_papers_filter(benchmark, cloud):
     """How much longer the uniform method takes than the density reading of the paper."""
     stages = lpcompare.simplify(cloud, target_count=N_KEPT, method="lp_uniform").timings
