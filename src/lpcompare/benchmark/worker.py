@@ -85,12 +85,15 @@ def prepare(methods: Sequence[str], metrics: Sequence[str]) -> None:
     """Call our own methods and metrics once, on a small cloud and one thread, before children are forked.
 
     What a rival imports, its own process imports: a library may start threads, which no fork takes along.
-    On a machine's first run the kernels are compiled here: those of the metrics by a second process.
+    MeshLab starts none before its first filter. On a machine's first run the kernels are compiled here: those of the metrics by a second process.
     """
     from highspy import Highs
     from threadpoolctl import threadpool_limits
 
     own = [name for name in methods if METHODS.origin(name) == "lpcompare.methods"]
+    for name in methods:
+        if library(METHODS.traits(name)) == _ONE_GENERATOR_PER_PROCESS:
+            _load_library(METHODS.traits(name))
     with threadpool_limits(1):
         helper = _compile_apart(lambda: _try_metrics(metrics)) if own else None
         for name in own:
@@ -286,17 +289,17 @@ def _warm_up(request: Request, traits: Traits) -> None:
     if library(traits) == _ONE_GENERATOR_PER_PROCESS:
         return
     try:
-        call(request.record.method, _torus(), 64, settings=request.settings)
+        call(request.record.method, _torus(8), 16, settings=request.settings)
     except MemoryError:
         raise
     except Exception:
         return
 
 
-def _torus() -> PointCloud:
+def _torus(n_around: int = 16) -> PointCloud:
     from lpcompare.models.synthetic import torus
 
-    return torus(16, 16)
+    return torus(n_around, n_around)
 
 
 def _load(path: str, sha256: str) -> PointCloud:
