@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import nbformat
 from jupyter_client import KernelManager
@@ -12,10 +13,11 @@ from nbclient import NotebookClient
 
 def run_notebook(path: Path) -> nbformat.NotebookNode:
     """The notebook with the outputs of today, from a kernel of this interpreter."""
-    manager = KernelManager(transport="ipc")
-    manager.kernel_spec.argv[0] = sys.executable
     book = nbformat.read(path, as_version=4)
-    return NotebookClient(book, km=manager, timeout=300, record_timing=False).execute()
+    with TemporaryDirectory() as sockets:
+        manager = KernelManager(transport="ipc", ip=f"{sockets}/kernel")
+        manager.kernel_spec.argv[0] = sys.executable
+        return NotebookClient(book, km=manager, timeout=300, record_timing=False).execute()
 
 
 def main() -> None:
