@@ -135,6 +135,16 @@ def reach() -> Iterator[str]:
     )
 
 
+def settings() -> Iterator[str]:
+    """What the settings of `lp_uniform` change, from the sweep of reports/uniform."""
+    study = _uniform()[0]
+    cases = study["read"](REPORTS / "uniform" / "sweep.csv")
+    clouds, reductions = (sorted({case[i] for case in cases}) for i in (0, 1))
+    yield f"{len(clouds)} small clouds ({', '.join(clouds)}), {_percents(map(float, reductions))} removed:"
+    yield ""
+    yield from study["summary"](cases)
+
+
 def uniform() -> Iterator[str]:
     """All tables of reports/uniform."""
     study, cases = _uniform()
@@ -349,6 +359,7 @@ PARTS = {
         choice,
         inputs,
         reach,
+        settings,
         uniform,
         damaged,
         strengths,

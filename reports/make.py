@@ -57,12 +57,22 @@ def steps(models: Path) -> dict[str, list[Words]]:
     suites = [f"tests/benchmarks/test_{name}.py" for name in ("stages", "methods", "metrics")]
     measure = [*python, "-m", "pytest", "-q"]
     scans = [f"{models}/upstream/stanford-bunny.obj", f"{models}/scans/max-planck-45045.ply"]
+    sweep = [
+        "--sweep",
+        "--reductions",
+        "0.7",
+        "0.9",
+        "0.97",
+        "--methods",
+        "lp_uniform",
+        "lp_placed",
+        "poisson_disk",
+    ]
+    uniform = [*python, "reports/uniform/make.py", "--models", str(models), "--out", "reports/uniform"]
     scanned = [f"{models}/scans/{scan}.ply" for scan in SCANS]
     return {
         "bunny": run("bunny", "--model", "bunny"),
-        "uniform": [
-            [*python, "reports/uniform/make.py", "--models", str(models), "--out", "reports/uniform"]
-        ],
+        "uniform": [uniform, [*uniform, *sweep]],
         "pauly": [[*python, "reports/pauly/make.py", "--models", str(models)]],
         "paper": [
             [

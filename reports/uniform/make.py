@@ -47,7 +47,9 @@ class Variant:
     @property
     def label(self) -> str:
         """Method and settings as one word each."""
-        words = " ".join(f"{k}={v}" for k, v in self.settings.items())
+        words = " ".join(
+            f"{k}={v:g}" if isinstance(v, float) else f"{k}={v}" for k, v in self.settings.items()
+        )
         return f"{self.method} {words}".strip()
 
 
@@ -141,8 +143,9 @@ def sweep() -> list[Variant]:
     """The settings of the frontier."""
     return [
         *(Variant("lp_uniform", {"emphasis": word}) for word in ("error", "coverage")),
-        *(Variant("lp_uniform", {"n_rounds": rounds}) for rounds in (0, 2, 12)),
-        *(Variant("lp_uniform", {"emphasis": word, "n_rounds": 12}) for word in ("error", "coverage")),
+        *(Variant("lp_uniform", {"n_rounds": rounds}) for rounds in (0, 2, 4, 16)),
+        *(Variant("lp_uniform", {"density_tolerance": z}) for z in (0.01, 0.03, 0.1, 1e9)),
+        Variant("lp_uniform", {"emphasis": "error", "n_rounds": 16, "density_tolerance": 1e9}),
     ]
 
 
@@ -161,23 +164,28 @@ def draw_frontier(path: Path) -> None:
     cases = tables["read"](path)
     labels = list(dict.fromkeys(label for rows in cases.values() for label in rows))
     keys = ("surface_distance_pct", "hausdorff_pct", "normal_deviation_deg", "mean_distance_pct")
-    figure, axes = plt.subplots(1, 4, figsize=(14, 3.6), layout="constrained")
-    for label in labels:
+    figure, axes = plt.subplots(1, 4, figsize=(14, 4.6), layout="constrained")
+    for number, label in enumerate(labels, 1):
         found = list(tables["ratios"](cases, label).values())
         means = {k: float(np.exp(np.mean([np.log(r[k]) for r in found]))) for k in tables["COLUMNS"]}
-        chosen = label in OURS or label in RIVALS
+        color = "C1" if label in OURS or label in RIVALS else "C0"
         for axis, key in zip(axes, keys, strict=True):
-            axis.plot(
-                means[key], means["plane_error_pct"], "o" if chosen else ".", color="C1" if chosen else "C0"
+            axis.plot(means[key], means["plane_error_pct"], "o", color=color, label=f"{number}: {label}")
+            axis.annotate(
+                str(number),
+                (means[key], means["plane_error_pct"]),
+                xytext=(4, 2),
+                textcoords="offset points",
+                fontsize=8,
             )
-            if chosen:
-                axis.annotate(label, (means[key], means["plane_error_pct"]), fontsize=7)
             axis.set_xlabel(tables["COLUMNS"][key])
     axes[0].set_ylabel("plane error (eq. 27)")
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4, fontsize=8)
     figure.suptitle(
         "Multiples of Poisson disk sampling at equal counts, geometric means; lower left is better"
     )
     figure.savefig(HERE / "frontier.png", dpi=110)
+    plt.close(figure)
 
 
 def main() -> None:
