@@ -70,7 +70,7 @@ def metrics() -> pd.DataFrame:
             "summary": METRICS.summary(name),
         }
         for name in METRICS
-        for key, column in METRICS.module(name).COLUMNS.items()
+        for key, column in METRICS.columns(name).items()
     }
     return pd.DataFrame(rows).T.rename_axis("column")
 

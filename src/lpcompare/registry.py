@@ -10,6 +10,7 @@ from __future__ import annotations
 import ast
 import inspect
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 from importlib import import_module
@@ -19,10 +20,10 @@ from pathlib import Path
 from shutil import which
 from time import perf_counter
 from types import ModuleType
-from typing import TYPE_CHECKING, Any, TypeAlias, get_type_hints
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar, get_type_hints
 
 from lpcompare.errors import InputError, MethodError, Unavailable, UnknownName
-from lpcompare.types import PointCloud, Simplification, Traits
+from lpcompare.types import Column, PointCloud, Simplification, Traits
 
 if TYPE_CHECKING:
     import numpy as np
@@ -36,6 +37,7 @@ _NO_PLUGINS = frozenset({"comparison"})
 _FORGIVEN = 0.01
 """Share of a promised count that may be missing: a broken mesh can withhold the last points."""
 
+_Kind = TypeVar("_Kind")
 Seed: TypeAlias = "int | np.random.SeedSequence | np.random.Generator | None"
 
 
@@ -142,8 +144,26 @@ class Registry:
         return tuple(name for name in self if not self._is_slow(name))
 
     def _is_slow(self, name: str) -> bool:
-        lines = [ast.unparse(node) for node in self._tree(name).body if isinstance(node, ast.Assign)]
-        return "COST = 'slow'" in lines
+        cost = _assigned(self._tree(name), "COST")
+        return isinstance(cost, ast.Constant) and cost.value == "slow"
+
+    def columns(self, name: str) -> Mapping[str, Column]:
+        """The columns of a metric by key; its file is imported only where they are not literal.
+
+        Raises
+        ------
+        UnknownName
+            There is no metric of that name.
+        Unavailable
+            The file computes its columns and cannot be imported.
+        """
+        table = _assigned(self._tree(name), "COLUMNS")
+        calls = table.values if isinstance(table, ast.Dict) else []
+        if isinstance(table, ast.Dict) and all(ast.unparse(call).startswith("Column(") for call in calls):
+            with suppress(ValueError):
+                keys = [ast.literal_eval(key or "") for key in table.keys]
+                return dict(zip(keys, (_record(call, Column) for call in calls), strict=True))
+        return self.module(name).COLUMNS
 
     def check_names(self, names: Iterable[str]) -> None:
         """Refuse names of plug-ins that do not exist; raises `UnknownName`."""
@@ -250,12 +270,21 @@ class _Home:
 
 def _traits(tree: ast.Module) -> Traits | None:
     """The literal ``TRAITS = Traits(...)`` of a file."""
-    for node in tree.body:
-        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "TRAITS":
-            if not isinstance(node.value, ast.Call):
-                return None
-            return Traits(**{str(k.arg): ast.literal_eval(k.value) for k in node.value.keywords})
-    return None
+    traits = _assigned(tree, "TRAITS")
+    return _record(traits, Traits) if isinstance(traits, ast.Call) else None
+
+
+def _assigned(tree: ast.Module, name: str) -> ast.expr | None:
+    """What a line ``name = ...`` of a file assigns."""
+    assignments = (node for node in tree.body if isinstance(node, ast.Assign))
+    return next((node.value for node in assignments if ast.unparse(node.targets[0]) == name), None)
+
+
+def _record(call: ast.expr, kind: type[_Kind]) -> _Kind:
+    """The record that a call with literal arguments makes; raises ValueError for other arguments."""
+    assert isinstance(call, ast.Call)
+    named = {str(k.arg): ast.literal_eval(k.value) for k in call.keywords}
+    return kind(*map(ast.literal_eval, call.args), **named)
 
 
 def _keywords(function: Callable[..., Any], module: ModuleType) -> list[inspect.Parameter]:

@@ -26,7 +26,8 @@ def test_values_are_finite_and_are_the_columns_declared(name, sphere):
 
 @pytest.mark.parametrize("name", METRICS.names())
 def test_columns_say_unit_and_direction(name):
-    for column in METRICS.module(name).COLUMNS.values():
+    assert METRICS.columns(name) == METRICS.module(name).COLUMNS
+    for column in METRICS.columns(name).values():
         assert column.title
         assert column.better in ("lower", "higher")
 

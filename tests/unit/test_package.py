@@ -40,6 +40,23 @@ def test_listing_the_methods_loads_no_rival():
     assert not any(m.startswith("lpcompare_baselines.") for m in loaded)
 
 
+def test_a_command_that_the_first_word_names_loads_no_other():
+    code = (
+        "import sys; from lpcompare.cli import build_app; build_app('list')\n"
+        "print(*(m for m in sys.modules if m.startswith('lpcompare.cli.') and '._' not in m))"
+    )
+    assert run_python(code).split() == ["lpcompare.cli.list"]
+
+
+def test_what_a_report_says_of_columns_loads_no_metric():
+    code = (
+        "import sys; from lpcompare.report.cells import columns; import pandas as pd\n"
+        "print(columns(pd.DataFrame({'hausdorff_pct': [1.0]}))['hausdorff_pct'].unit)\n"
+        "print(*(m for m in sys.modules if m.startswith('lpcompare.metrics.')))"
+    )
+    assert run_python(code).splitlines() == ["% of diagonal", ""]
+
+
 def test_every_public_name_can_be_had():
     for name in lpcompare.__all__:
         assert getattr(lpcompare, name).__doc__

@@ -6,14 +6,14 @@ import pytest
 
 from lpcompare.errors import InputError, Unavailable, UnknownName
 from lpcompare.registry import METHODS, Registry
-from lpcompare.types import Traits
+from lpcompare.types import Column, Traits
 
 PLUG_IN = '''"""A method for this test.
 
 More about it.
 """
 import nosuchlibrary
-from lpcompare.types import Traits
+from lpcompare.types import Column, Traits
 TRAITS = Traits(wraps="nosuchlibrary.f", moves_points=True, requires=("nosuchlibrary",), extra="nosuch")
 def shaky(points, target_count, *, rng, cloud, radius=2.0): ...
 '''
@@ -46,6 +46,30 @@ def test_summary_and_traits_are_read_without_importing(registry):
         wraps="nosuchlibrary.f", moves_points=True, requires=("nosuchlibrary",), extra="nosuch"
     )
     assert "shelf.shaky" not in sys.modules
+
+
+@pytest.mark.parametrize(
+    ("table", "is_imported"),
+    [
+        ('{"depth": Column("m", "Depth", better="higher")}', False),
+        ('{name: Column("m", "Depth", better="higher") for name in ("depth",)}', True),
+        ('{"depth": Column("m", "De" + "pth", better="higher")}', True),
+        ('{**{"depth": Column("m", "Depth", better="higher")}}', True),
+    ],
+)
+def test_literal_columns_are_read_without_importing(tmp_path, monkeypatch, table, is_imported):
+    (tmp_path / "gauges").mkdir()
+    (tmp_path / "gauges" / "__init__.py").touch()
+    text = f"from lpcompare.types import Column\nCOLUMNS = {table}\ndef sounding(comparison): ...\n"
+    (tmp_path / "gauges" / "sounding.py").write_text(text, encoding="utf-8")
+    monkeypatch.syspath_prepend(tmp_path)
+    for name in ("gauges", "gauges.sounding"):
+        monkeypatch.delitem(sys.modules, name, raising=False)
+    metrics = Registry("metric", ("gauges",))
+    assert metrics.columns("sounding") == {"depth": Column("m", "Depth", better="higher")}
+    assert ("gauges.sounding" in sys.modules) is is_imported
+    for name in ("gauges", "gauges.sounding"):
+        sys.modules.pop(name, None)
 
 
 def test_missing_library_is_said_with_the_line_that_installs_it(registry):

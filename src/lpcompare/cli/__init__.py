@@ -24,8 +24,11 @@ Thin a file: lpcompare simplify scan.laz thin.laz --reduction 0.9
 All about one command: lpcompare COMMAND --help"""
 
 
-def build_app() -> typer.Typer:
-    """The application with a sub-command for every file of this folder."""
+def build_app(first_word: str = "") -> typer.Typer:
+    """The application with a sub-command for every file of this folder, or for the one that a word names alone.
+
+    A command so starts without the imports of the others.
+    """
     app = typer.Typer(
         help="Thin point clouds by boolean linear programming, and compare methods at equal counts.",
         epilog=EXAMPLES,
@@ -35,8 +38,9 @@ def build_app() -> typer.Typer:
         context_settings={"help_option_names": ["-h", "--help"]},
     )
     app.callback()(_root)
-    for file in sorted(m.name for m in iter_modules(__path__) if not m.name.startswith("_")):
-        app.command(file.replace("_", "-"))(import_module(f"{__name__}.{file}").command)
+    commands = sorted(m.name for m in iter_modules(__path__) if not m.name.startswith("_"))
+    for name in [first_word] if first_word in commands else commands:
+        app.command(name)(import_module(f"{__name__}.{name}").command)
     return app
 
 
@@ -63,7 +67,7 @@ def main() -> None:
     if isinstance(sys.stdout, TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")  # as standard error does, in any encoding
     try:
-        build_app()(prog_name="lpcompare")
+        build_app("".join(sys.argv[1:2]))(prog_name="lpcompare")
     except LpcompareError as error:
         _quit(str(error))
     except BrokenPipeError:

@@ -199,12 +199,12 @@ def _is_number(values: pd.Series) -> bool:
 
 @cache
 def _declared() -> dict[str, Column]:
-    """The columns of every metric that can be imported."""
+    """The columns of every metric; a broken one of another package has none."""
     return {key: column for name in METRICS for key, column in _columns_of(name)}
 
 
 def _columns_of(name: str) -> Iterable[tuple[str, Column]]:
     try:
-        return METRICS.module(name).COLUMNS.items()
+        return METRICS.columns(name).items()
     except Unavailable:
         return ()
