@@ -44,13 +44,10 @@ class ClusterCount:
     criteria: Vector
 
 
-def choose_n_clusters(
-    points: Points,
-    rng: np.random.Generator,
-    candidates: tuple[int, ...] = CANDIDATES,
-    sample_size: int = SAMPLE_SIZE,
-) -> ClusterCount:
-    """The number of Gaussians of least BIC.
+def choose_n_clusters(points: Points, rng: np.random.Generator) -> ClusterCount:
+    """The number of Gaussians of least BIC on `SAMPLE_SIZE` points, among `CANDIDATES`.
+
+    Candidates above a tenth of the distinct points are left out, down to one.
 
     Parameters
     ----------
@@ -58,10 +55,6 @@ def choose_n_clusters(
         Normalised cloud (mean zero, mean squared radius one).
     rng : numpy.random.Generator
         Draws the sample and the starts.
-    candidates : tuple of int
-        Ascending. Those above a tenth of the distinct points are left out, down to one.
-    sample_size : int
-        Points that the mixtures are fitted on.
 
     Returns
     -------
@@ -71,10 +64,10 @@ def choose_n_clusters(
     ----------
     G. Schwarz, Estimating the dimension of a model, Annals of Statistics 6(2), 1978.
     """
-    rows = np.sort(rng.choice(len(points), min(sample_size, len(points)), replace=False))
+    rows = np.sort(rng.choice(len(points), min(SAMPLE_SIZE, len(points)), replace=False))
     sample = points[rows]
     most = max(1, len(np.unique(sample, axis=0)) // 10)
-    tried = tuple(k for k in candidates if k <= most) or (1,)
+    tried = tuple(k for k in CANDIDATES if k <= most) or (1,)
     seed = int(rng.integers(2**31))
     criteria = np.array([_criterion(sample, k, np.random.default_rng(seed)) for k in tried])
     return ClusterCount(tried[int(np.argmin(criteria))], tried, criteria)

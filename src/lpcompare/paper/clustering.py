@@ -22,6 +22,10 @@ FIT_LIMIT = 50_000
 """Larger clouds are fitted on a random subsample of this many points and the fit is applied to all."""
 
 _START_LIMIT = 16_000
+_TOLERANCE = 1e-3
+"""The fit ends when the mean log-likelihood changes by less (scikit-learn's rule)."""
+_REGULARIZATION = 1e-6
+"""Added to each variance, so that a component cannot collapse onto a point, a line or a plane."""
 _NEGLIGIBLE = 37.0
 _LOST = 1e-6
 _PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
@@ -72,24 +76,13 @@ class Mixture:
         return replace(self, means=self.means * scale + center, covariances=self.covariances * scale**2)
 
 
-@dataclass(frozen=True)
-class _Rule:
-    """When the iteration ends, and what is added to each variance."""
-
-    tolerance: float
-    max_iterations: int
-    regularization: float
-
-
 def cluster_points(
     points: Points,
     n_clusters: int,
     rng: np.random.Generator,
     *,
     start: Indices | None = None,
-    tolerance: float = 1e-3,
     max_iterations: int = 100,
-    regularization: float = 1e-6,
     fit_limit: int = FIT_LIMIT,
     progress: Progress | None = None,
 ) -> Mixture:
@@ -105,11 +98,7 @@ def cluster_points(
         Draws the subsamples and the k-means++ centres.
     start : ndarray of int, shape (n,), optional
         Hard assignment to start from, in place of k-means.
-    tolerance : float
-        The fit ends when the mean log-likelihood changes by less (scikit-learn's rule).
     max_iterations : int
-    regularization : float
-        Added to each variance, so that a component cannot collapse onto a point, a line or a plane.
     fit_limit : int
         Clouds with more points are fitted on a random subsample of this size.
     progress : callable, optional
@@ -125,8 +114,7 @@ def cluster_points(
     with threadpool_limits(1):
         labels = start_labels(points[rows], n_clusters, rng) if start is None else start[rows]
         labels = np.unique(labels, return_inverse=True)[1]
-        rule = _Rule(tolerance, max_iterations, regularization)
-        mixture = _expectation_maximization(points[rows], labels, rule, progress)
+        mixture = _expectation_maximization(points[rows], labels, max_iterations, progress)
         return replace(mixture, labels=assign(points, mixture))
 
 
@@ -151,17 +139,17 @@ def _fitted_rows(n_points: int, limit: int, rng: np.random.Generator) -> slice |
 
 
 def _expectation_maximization(
-    points: Points, labels: Indices, rule: _Rule, progress: Progress | None
+    points: Points, labels: Indices, max_iterations: int, progress: Progress | None
 ) -> Mixture:
-    mixture = _maximize(_hard_sums(_features(points), labels), labels, rule)
+    mixture = _maximize(_hard_sums(_features(points), labels), labels)
     history: list[float] = []
-    for iteration in range(1, rule.max_iterations + 1):
+    for iteration in range(1, max_iterations + 1):
         sums, log_likelihood = _expect(points, mixture)
-        mixture = _maximize(sums, labels, rule)
+        mixture = _maximize(sums, labels)
         history.append(log_likelihood)
         if progress:
-            progress(iteration, rule.max_iterations)
-        if len(history) > 1 and abs(history[-1] - history[-2]) < rule.tolerance * len(points):
+            progress(iteration, max_iterations)
+        if len(history) > 1 and abs(history[-1] - history[-2]) < _TOLERANCE * len(points):
             return replace(mixture, log_likelihoods=np.array(history), converged=True)
     return replace(mixture, log_likelihoods=np.array(history))
 
@@ -263,7 +251,7 @@ def _hard_sums(features: NDArray[np.float64], labels: Indices) -> NDArray[np.flo
     return sums
 
 
-def _maximize(sums: NDArray[np.float64], labels: Indices, rule: _Rule) -> Mixture:
+def _maximize(sums: NDArray[np.float64], labels: Indices) -> Mixture:
     """Eqs. 2-4 from the sums of responsibility x monomial."""
     counts = sums[:, 0] + 10 * np.finfo(float).eps
     means = sums[:, 1:4] / counts[:, None]
@@ -271,7 +259,7 @@ def _maximize(sums: NDArray[np.float64], labels: Indices, rule: _Rule) -> Mixtur
     for column, (i, j) in enumerate(_PAIRS, 4):
         moment = sums[:, column] / counts - means[:, i] * means[:, j]
         covariances[:, i, j] = covariances[:, j, i] = moment
-    covariances[:, range(3), range(3)] += rule.regularization
+    covariances[:, range(3), range(3)] += _REGULARIZATION
     # a component that lost its points waits with the spread of the whole cloud
     lost = counts < _LOST
     means[lost], covariances[lost] = 0.0, np.eye(3)

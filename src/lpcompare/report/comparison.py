@@ -114,8 +114,8 @@ def compare_runs(first: Run, second: Run) -> pd.DataFrame:
     return table.assign(runtime="busy") if was_busy(first) or was_busy(second) else table
 
 
-def compare_methods(run: Run, baseline: str = REFERENCE) -> pd.DataFrame:
-    """Every method of one run against a baseline, the lowest error first; empty without the baseline.
+def compare_methods(run: Run) -> pd.DataFrame:
+    """Every method of one run against Poisson disk, the lowest error first; empty without that.
 
     Returns
     -------
@@ -126,11 +126,11 @@ def compare_methods(run: Run, baseline: str = REFERENCE) -> pd.DataFrame:
     """
     good = run.frame.reindex(columns=[*_CASE, "label", "status", ERROR, RUNTIME])
     good = good[good.status.eq("ok") & good[ERROR].gt(0) & good[RUNTIME].gt(0)]
-    if not good.label.eq(baseline).any():
+    if not good.label.eq(REFERENCE).any():
         return pd.DataFrame()
     logs = np.log(good[[ERROR, RUNTIME]]).groupby([good[k] for k in ("label", *_CASE)], sort=False).mean()
-    base = logs.xs(baseline).reindex(logs.index.droplevel("label")).to_numpy()
-    logs = (logs - base).dropna().drop(index=baseline, level="label").droplevel(_CASE)
+    base = logs.xs(REFERENCE).reindex(logs.index.droplevel("label")).to_numpy()
+    logs = (logs - base).dropna().drop(index=REFERENCE, level="label").droplevel(_CASE)
     table = _differences(logs[ERROR], "error").join(_differences(logs[RUNTIME], "time"))
     table["quality"] = _verdicts(table, "error", "worse", "better")
     table["runtime"] = _verdicts(table, "time", "slower", "faster")

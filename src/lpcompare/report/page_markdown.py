@@ -10,7 +10,7 @@ import pandas as pd
 
 from lpcompare.benchmark.record import Run
 from lpcompare.files import replace_text
-from lpcompare.registry import METHODS, Registry
+from lpcompare.registry import METHODS
 from lpcompare.report.cells import ERROR, RUNTIME, cells, choose_reference, columns, mean_ratios, witnesses
 from lpcompare.report.findings import summarize
 from lpcompare.report.tables import escape_markdown as escape
@@ -42,20 +42,16 @@ def write_study_page(run: Run, out: Path, reference: str = "") -> Path:
     return out
 
 
-def method_page(methods: Registry = METHODS) -> str:
+def method_page() -> str:
     """The methods as Markdown: a table of flags, then what each one wraps and where it comes from.
-
-    Parameters
-    ----------
-    methods : Registry, optional
 
     Returns
     -------
     str
         Default methods first, those behind an extra after them. No method is imported.
     """
-    names = sorted(methods, key=lambda name: (bool(methods.traits(name).extra), name))
-    rows = [(f"`{name}`", methods.summary(name), *_flags(methods.traits(name))) for name in names]
+    names = sorted(METHODS, key=lambda name: (bool(METHODS.traits(name).extra), name))
+    rows = [(f"`{name}`", METHODS.summary(name), *_flags(METHODS.traits(name))) for name in names]
     rows = [[cell.replace("|", "\\|") for cell in row] for row in rows]
     lines = [
         "# Methods",
@@ -63,7 +59,7 @@ def method_page(methods: Registry = METHODS) -> str:
         "Made from the methods' own files by `lpcompare.report.page_markdown.method_page()`.",
     ]
     lines += ["", *markdown_table(_METHODS, rows, "---"), "", "## What each one wraps, and its source", ""]
-    lines += [_entry(name, methods.traits(name)) for name in names]
+    lines += [_entry(name, METHODS.traits(name)) for name in names]
     return "\n".join([*lines, ""])
 
 

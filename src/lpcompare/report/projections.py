@@ -97,7 +97,6 @@ def draw_mesh(
     faces: NDArray[np.intp],
     *,
     wireframe: bool = False,
-    view: tuple[float, float] = VIEW,
     up: str = "y",
 ) -> None:
     """Draw triangles, the farthest first, shaded by their normals or as wires over a plain fill.
@@ -111,16 +110,14 @@ def draw_mesh(
         Rows of ``points``.
     wireframe : bool
         Draw the edges.
-    view : (float, float)
-        Degrees to the right of the front, and above.
     up : str
         "y" or "z".
     """
     from matplotlib.collections import PolyCollection
 
-    places, depth = project(points, view, up)
+    places, depth = project(points, VIEW, up)
     order = np.argsort(depth[faces].mean(axis=1))
-    corners = _turned(points - bounding_box_center(points), view, up)[faces[order]]
+    corners = _turned(points - bounding_box_center(points), VIEW, up)[faces[order]]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
     normals = np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0)

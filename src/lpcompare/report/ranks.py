@@ -63,22 +63,22 @@ class Ranking:
         return list(self.ranks.index[self.ranks > limit]) if self.decided else []
 
 
-def rank_over_models(table: pd.DataFrame, key: str = ERROR, column: Column | None = None) -> Ranking:
-    """Rank the methods on each input by the geometric mean of a column over the reductions, and test."""
-    scores = _scores(table, key).groupby(level="input", sort=False).agg(_typical)
-    return _rank(scores, column, test=True)
+def rank_over_models(table: pd.DataFrame) -> Ranking:
+    """Rank the methods on each input by the geometric mean of eq. 27 over the reductions, and test."""
+    scores = _scores(table).groupby(level="input", sort=False).agg(_typical)
+    return _rank(scores, "lower", test=True)
 
 
-def rank_over_cells(table: pd.DataFrame, key: str = ERROR, column: Column | None = None) -> Ranking:
-    """Rank on each input and reduction; cells of one input are related, so nothing is tested."""
-    return _rank(_scores(table, key), column, test=False)
+def rank_over_cells(table: pd.DataFrame) -> Ranking:
+    """Rank by eq. 27 on each input and reduction; cells of one input are related, so nothing is tested."""
+    return _rank(_scores(table), "lower", test=False)
 
 
 def rank_by_witnesses(table: pd.DataFrame, known: Mapping[str, Column]) -> dict[str, Ranking]:
     """`rank_over_cells` by each measure of its own: from one table turned once."""
     keys = witnesses(known)
     scores = table.set_index(_PLACE)[keys].unstack(sort=False)
-    return {key: _rank(scores[key].dropna(how="all"), known[key], test=False) for key in keys}
+    return {key: _rank(scores[key].dropna(how="all"), known[key].better, test=False) for key in keys}
 
 
 def agreement(ranking: Ranking, other: Ranking) -> float:
@@ -115,9 +115,9 @@ def agreement_table(table: pd.DataFrame, known: Mapping[str, Column]) -> pd.Data
     return pd.DataFrame(rows, columns=["key", "ranking", "tau", "reversed_pairs"])
 
 
-def _scores(table: pd.DataFrame, key: str) -> pd.DataFrame:
-    """Inputs and reductions by methods, in the order of the cells."""
-    return table.set_index(_PLACE)[key].unstack(sort=False).dropna(how="all")
+def _scores(table: pd.DataFrame) -> pd.DataFrame:
+    """Eq. 27: inputs and reductions by methods, in the order of the cells."""
+    return table.set_index(_PLACE)[ERROR].unstack(sort=False).dropna(how="all")
 
 
 def _typical(values: pd.Series) -> float:
@@ -128,9 +128,9 @@ def _typical(values: pd.Series) -> float:
     return math.exp(np.log(values).mean(skipna=False)) if (values > 0).all() else values.mean(skipna=False)
 
 
-def _rank(scores: pd.DataFrame, column: Column | None, *, test: bool) -> Ranking:
+def _rank(scores: pd.DataFrame, better: str, *, test: bool) -> Ranking:
     complete = scores.dropna(axis=1) if len(scores) else scores.iloc[:, :0]
-    ranks = complete.rank(axis=1, ascending=column is None or column.better != "higher").mean()
+    ranks = complete.rank(axis=1, ascending=better != "higher").mean()
     tested = _test(complete.to_numpy()) if test else (math.nan, math.nan)
     left_out = tuple(scores.columns.difference(complete.columns, sort=False))
     return Ranking(ranks.sort_values(kind="stable"), len(scores), left_out, *tested)

@@ -16,14 +16,12 @@ from lpcompare.report.page import run_page
 HOST = "127.0.0.1"
 
 
-def make_server(run: Run, reference: str = "", port: int = 0) -> ThreadingHTTPServer:
+def make_server(run: Run, port: int = 0) -> ThreadingHTTPServer:
     """A server of the page of a run, which only this machine can reach.
 
     Parameters
     ----------
     run : Run
-    reference : str
-        The method that ratios are taken to; by default that of the printed tables.
     port : int
         0 for any that is free.
 
@@ -37,7 +35,7 @@ def make_server(run: Run, reference: str = "", port: int = 0) -> ThreadingHTTPSe
     InputError
         The port is taken, or is none.
     """
-    text, views = run_page(run, reference, served=True)
+    text, views = run_page(run, served=True)
     try:
         return ThreadingHTTPServer((HOST, port), partial(_Answers, text.encode(), views))
     except OverflowError as error:
