@@ -73,21 +73,20 @@ def removal_order(points: Points) -> Indices:
 def _remove(squared: NDArray[np.float64], near: NDArray[np.intp], charged: Vector) -> Indices:
     """Steps 2 and 3 until a list of neighbours has run out, or one point is left: the rows removed."""
     n, n_listed = near.shape
-    last = n - 1  # the heap gives the lower of equal entries first: row i is its entry last - i
-    keys = (squared[:, 0] + charged)[::-1].copy()
-    heap, places = heap_of(keys)
+    keys = squared[:, 0] + charged
+    heap, places = heap_of(keys, True)
     following, is_gone = np.zeros(n, np.intp), np.zeros(n, np.bool_)
     waiting, next_waiting = np.full(n, -1), np.full(n, -1)
     for row in range(n):
         next_waiting[row], waiting[near[row, 0]] = waiting[near[row, 0]], row
     gone = np.empty(n - 1, np.intp)
     for step in range(n - 1):
-        row = last - pop(heap, n - step, places, keys)
+        row = pop(heap, n - step, places, keys, True)
         gone[step], is_gone[row] = row, True
         nearest, size = near[row, following[row]], n - step - 1
-        charged[nearest] += keys[last - row]
-        keys[last - nearest] += keys[last - row]
-        settle(places[last - nearest], heap, size, places, keys)
+        charged[nearest] += keys[row]
+        keys[nearest] += keys[row]
+        settle(places[nearest], heap, size, places, keys, True)
         other = waiting[row]
         while other >= 0:
             later = next_waiting[other]
@@ -97,8 +96,8 @@ def _remove(squared: NDArray[np.float64], near: NDArray[np.intp], charged: Vecto
                 if following[other] == n_listed:
                     return gone[: step + 1]
                 nearest = near[other, following[other]]
-                keys[last - other] = squared[other, following[other]] + charged[other]
-                settle(places[last - other], heap, size, places, keys)
+                keys[other] = squared[other, following[other]] + charged[other]
+                settle(places[other], heap, size, places, keys, True)
                 next_waiting[other], waiting[nearest] = waiting[nearest], other
             other = later
     return gone

@@ -104,23 +104,22 @@ def _eliminate(
 ) -> Indices:
     """Steps 2 and 3 on points sorted by cube."""
     n = len(points)
-    last = n - 1  # the heap gives the lower of equal entries first: row i is its entry last - i
     slots, ends = np.arange(n), starts[1:].copy()
     near, terms, keys = np.empty(n, np.intp), np.empty(n), np.zeros(n)
     grid = cells, starts, ends, around, slots
     for row in range(n):
         n_near = _terms(points, grid, row, reach, least, near, terms)
-        keys[last - row] = -terms[:n_near].sum()
-    heap, places = heap_of(keys)
+        keys[row] = -terms[:n_near].sum()
+    heap, places = heap_of(keys, True)
     gone = np.empty(n - n_left, np.intp)
     for step in range(n - n_left):
-        row = last - pop(heap, n - step, places, keys)
+        row = pop(heap, n - step, places, keys, True)
         gone[step] = row
         _leave(slots, starts, ends, int(cells[row]), row)
         for other in range(_terms(points, grid, row, reach, least, near, terms)):
-            entry = last - near[other]
+            entry = near[other]
             keys[entry] += terms[other]
-            settle(places[entry], heap, n - step - 1, places, keys)
+            settle(places[entry], heap, n - step - 1, places, keys, True)
     return gone
 
 
