@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from math import exp, log
+from typing import Any
 
 import numpy as np
 
 from lpcompare.geometry.scale import bounding_box_diagonal
 from lpcompare.types import Points
+from lpcompare_baselines._guards import check_distinct, check_resolved
 
 _NARROWEST = 1e-4
 """Relative width at which a bracket is closed."""
@@ -83,6 +85,33 @@ def _next(lower: _Probe | None, upper: _Probe | None, target_count: int, call: i
     # on a surface the count falls with the square of the size; go a little farther, to pass the target
     step = 0.6 * log(max(n, 0.5) / target_count)
     return x + step + (0.02 if n > target_count else -0.02) * 1.5**call
+
+
+def search_spacing(
+    count: Callable[[float], int], points: Points, target_count: int, *, finest: float = 0.0, **limits: Any
+) -> float:
+    """`search_size` for a method that keeps points apart, from `surface_spacing`.
+
+    Parameters
+    ----------
+    count : callable
+        Points that a size gives.
+    points : ndarray, shape (n, 3)
+    target_count : int
+    finest : float, optional
+        The size below which nothing changes; by default there is none.
+    **limits
+        Of `search_size`.
+
+    Raises
+    ------
+    NotApplicable
+        Fewer points are distinct than are asked for, or are apart at the finest size.
+    """
+    check_distinct(points, target_count)
+    if finest:
+        check_resolved(points, target_count, finest)
+    return search_size(count, target_count, surface_spacing(points, target_count), **limits)
 
 
 def surface_spacing(points: Points, target_count: int) -> float:

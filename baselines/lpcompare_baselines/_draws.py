@@ -11,12 +11,14 @@ import os
 import sys
 import warnings
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from lpcompare.types import Indices, Points
 from lpcompare_baselines._calibration import search_size
+from lpcompare_baselines._guards import check_distinct, check_resolved
+from lpcompare_baselines._meshlab import finest_length, mesh_set, rows_of
 
 _LARGEST_SEED = 2**31
 _EXACT_UP_TO = 20_000
@@ -33,19 +35,17 @@ class Draw(NamedTuple):
     order_seed: int
 
 
-def draw_seed(rng: np.random.Generator) -> int:
-    """A seed for the order in which MeshLab sees the points."""
-    return int(rng.integers(_LARGEST_SEED))
-
-
-def point_order(points: Points, order_seed: int) -> Indices:
-    """The rows of a cloud in the order that a seed gives."""
-    return np.random.default_rng(order_seed).permutation(len(points))
+def drawn_rows(points: Points, order_seed: int, thin: Callable[[Any], object]) -> Indices:
+    """Rows that a filter keeps of a layer whose points are in the order that a seed gives, ascending."""
+    order = np.random.default_rng(order_seed).permutation(len(points))
+    meshes = mesh_set(points[order])
+    thin(meshes)
+    return np.sort(order[rows_of(meshes)])
 
 
 def search_draw(
     sample: Callable[[float, int], Indices],
-    n_points: int,
+    points: Points,
     target_count: int,
     start: float,
     rng: np.random.Generator,
@@ -60,17 +60,24 @@ def search_draw(
     ----------
     sample : callable
         Rows that a size and a seed for the order of the points give.
-    n_points, target_count : int
-        Points there are, and points asked for.
+    points : ndarray, shape (n, 3)
+    target_count : int
     start : float
         The first size tried.
     rng : numpy.random.Generator
         Draws the first seed.
     smallest : float, optional
         The smallest size that is tried.
+
+    Raises
+    ------
+    NotApplicable
+        Fewer points are apart than are asked for.
     """
-    first, tried = draw_seed(rng), list[tuple[int, Draw]]()
-    max_calls = int(np.clip(_POINTS_PER_SEARCH // n_points, _FEWEST_CALLS, _MOST_CALLS))
+    check_distinct(points, target_count)
+    check_resolved(points, target_count, finest_length(points))
+    first, tried = int(rng.integers(_LARGEST_SEED)), list[tuple[int, Draw]]()
+    max_calls = int(np.clip(_POINTS_PER_SEARCH // len(points), _FEWEST_CALLS, _MOST_CALLS))
 
     def count(size: float) -> int:
         draw = Draw(size, first + len(tried))

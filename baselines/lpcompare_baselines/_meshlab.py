@@ -37,6 +37,14 @@ def rows_of(meshes: Any) -> Indices:
     return np.sort(meshes.current_mesh().vertex_scalar_array().astype(np.intp))
 
 
+def collapse(points: Points, faces: NDArray[np.intp], n_faces: int, *, optimal: bool) -> Points:
+    """Points left by a quadric edge collapse, shape (m, 3), about the bounding box's centre of the input."""
+    meshes = mesh_set(points, faces)
+    meshes.meshing_decimation_quadric_edge_collapse(targetfacenum=n_faces, optimalplacement=optimal)
+    meshes.meshing_remove_unreferenced_vertices()
+    return np.ascontiguousarray(meshes.current_mesh().vertex_matrix())
+
+
 def finest_length(points: Points) -> float:
     """The smallest radius or cell size that filters are given: on much smaller ones they run for ever."""
     return _FINEST * (bounding_box_diagonal(points) or 1.0)

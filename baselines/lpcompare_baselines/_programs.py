@@ -16,6 +16,9 @@ from plyfile import PlyData
 from lpcompare.geometry.scale import bounding_box_center
 from lpcompare.types import Points
 
+MOST_CALLS = 20
+"""Calls of a search: each starts the program."""
+
 _PLY_NAMES = {"f4": "float", "f8": "double", "i4": "int"}
 
 

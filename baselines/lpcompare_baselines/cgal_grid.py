@@ -9,9 +9,8 @@ import numpy as np
 from CGAL.CGAL_Point_set_processing_3 import grid_simplify_point_set  # pyright: ignore[reportMissingImports]
 
 from lpcompare.types import Indices, Points, Simplification, Traits
-from lpcompare_baselines._calibration import search_size, surface_spacing
+from lpcompare_baselines._calibration import search_spacing
 from lpcompare_baselines._cgal import MOST_CALLS, point_set, rows_of
-from lpcompare_baselines._guards import check_distinct
 
 TRAITS = Traits(
     family="voxel",
@@ -26,13 +25,11 @@ TRAITS = Traits(
 
 def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) -> dict[str, float]:
     """Cell size, in model units, that gives about ``target_count`` points; raises as the method does."""
-    check_distinct(points, target_count)
-    start = surface_spacing(points, target_count)
 
     def count(size: float) -> int:
         return len(_grid(points, size))
 
-    return {"cell_size": search_size(count, target_count, start, max_calls=MOST_CALLS)}
+    return {"cell_size": search_spacing(count, points, target_count, max_calls=MOST_CALLS)}
 
 
 def cgal_grid(

@@ -9,9 +9,9 @@ import numpy as np
 
 from lpcompare.geometry.scale import bounding_box_diagonal
 from lpcompare.types import Points, Simplification, Traits
-from lpcompare_baselines._calibration import search_size, surface_spacing
+from lpcompare_baselines._calibration import search_spacing
 from lpcompare_baselines._cloudcompare import subsample
-from lpcompare_baselines._guards import check_distinct, check_resolved
+from lpcompare_baselines._programs import MOST_CALLS
 
 TRAITS = Traits(
     wraps="CloudCompare -SS SPATIAL",
@@ -23,8 +23,6 @@ TRAITS = Traits(
     install="apt install cloudcompare, or from https://www.cloudcompare.org",
 )
 
-_MOST_CALLS = 20
-"""Calls of the search: each starts the program."""
 _FINEST = 2e-6
 """The smallest distance that is tried, as a share of the diagonal: single precision tells no less apart."""
 
@@ -38,18 +36,12 @@ def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) ->
         Fewer points are apart than are asked for.
     """
     finest = _FINEST * bounding_box_diagonal(points)
-    check_distinct(points, target_count)
-    check_resolved(points, target_count, finest)
-    start = surface_spacing(points, target_count)
-    return {
-        "distance": search_size(
-            lambda d: len(subsample(points, "SPATIAL", d)),
-            target_count,
-            start,
-            smallest=finest,
-            max_calls=_MOST_CALLS,
-        )
-    }
+
+    def count(distance: float) -> int:
+        return len(subsample(points, "SPATIAL", distance))
+
+    limits = {"finest": finest, "smallest": finest, "max_calls": MOST_CALLS}
+    return {"distance": search_spacing(count, points, target_count, **limits)}
 
 
 def cloudcompare_spatial(

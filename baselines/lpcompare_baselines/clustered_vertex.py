@@ -5,14 +5,11 @@ The cell size is searched outside the clock on the grid that MeshLab lays.
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 
 from lpcompare.types import Points, Simplification, Traits
-from lpcompare_baselines._calibration import search_size, surface_spacing
+from lpcompare_baselines._calibration import search_spacing
 from lpcompare_baselines._cells import meshlab_cells, n_occupied
-from lpcompare_baselines._guards import check_distinct, check_resolved
 from lpcompare_baselines._meshlab import centred, finest_length, length, mesh_set
 
 TRAITS = Traits(
@@ -32,11 +29,12 @@ def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) ->
     NotApplicable
         Fewer points are apart than are asked for.
     """
-    check_distinct(points, target_count)
-    check_resolved(points, target_count, finest_length(points))
-    start = surface_spacing(points, target_count)
-    count = partial(_count, centred(points))
-    return {"cell_size": search_size(count, target_count, start, smallest=finest_length(points))}
+    middle, finest = centred(points), finest_length(points)
+
+    def count(cell_size: float) -> int:
+        return n_occupied(meshlab_cells(middle, cell_size))
+
+    return {"cell_size": search_spacing(count, points, target_count, finest=finest, smallest=finest)}
 
 
 def clustered_vertex(
@@ -66,7 +64,3 @@ def clustered_vertex(
     # the new layer carries no row numbers, but the filter selects the rows that it took on the first one
     indices = np.flatnonzero(meshes.mesh(0).vertex_selection_array())
     return Simplification(points[indices], indices)
-
-
-def _count(points: Points, cell_size: float) -> int:
-    return n_occupied(meshlab_cells(points, cell_size))

@@ -7,15 +7,12 @@ weighs the points by their faces.
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 
 from lpcompare.geometry.scale import bounding_box_center
 from lpcompare.types import Points, Simplification, Traits
-from lpcompare_baselines._calibration import search_size, surface_spacing
+from lpcompare_baselines._calibration import search_spacing
 from lpcompare_baselines._cells import meshlab_cells, n_occupied
-from lpcompare_baselines._guards import check_distinct, check_resolved
 from lpcompare_baselines._meshlab import centred, finest_length, length, mesh_set
 
 TRAITS = Traits(
@@ -37,11 +34,12 @@ def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) ->
     NotApplicable
         Fewer points are apart than are asked for.
     """
-    check_distinct(points, target_count)
-    check_resolved(points, target_count, finest_length(points))
-    start = surface_spacing(points, target_count)
-    count = partial(_count, centred(points))
-    return {"cell_size": search_size(count, target_count, start, smallest=finest_length(points))}
+    middle, finest = centred(points), finest_length(points)
+
+    def count(cell_size: float) -> int:
+        return n_occupied(meshlab_cells(middle, cell_size))
+
+    return {"cell_size": search_spacing(count, points, target_count, finest=finest, smallest=finest)}
 
 
 def clustering_decimation(
@@ -67,7 +65,3 @@ def clustering_decimation(
     meshes = mesh_set(points)
     meshes.meshing_decimation_clustering(threshold=length(cell_size, points))
     return Simplification(meshes.current_mesh().vertex_matrix() + bounding_box_center(points))
-
-
-def _count(points: Points, cell_size: float) -> int:
-    return n_occupied(meshlab_cells(points, cell_size))

@@ -10,8 +10,7 @@ import small_gicp
 
 from lpcompare.geometry.scale import bounding_box_center, bounding_box_diagonal
 from lpcompare.types import Points, Simplification, Traits
-from lpcompare_baselines._calibration import search_size, surface_spacing
-from lpcompare_baselines._guards import check_distinct
+from lpcompare_baselines._calibration import search_spacing
 
 TRAITS = Traits(
     family="voxel",
@@ -31,14 +30,12 @@ _FINEST = 1e-6
 
 def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) -> dict[str, float]:
     """Edge of a cube, in model units, that gives about ``target_count`` points; raises as the method does."""
-    check_distinct(points, target_count)
     smallest = _FINEST * (bounding_box_diagonal(points) or 1.0)
-    start = surface_spacing(points, target_count)
-    return {
-        "cell_size": search_size(
-            lambda size: len(_means(points, size)), target_count, start, smallest=smallest
-        )
-    }
+
+    def count(cell_size: float) -> int:
+        return len(_means(points, cell_size))
+
+    return {"cell_size": search_spacing(count, points, target_count, smallest=smallest)}
 
 
 def gicp_voxel(

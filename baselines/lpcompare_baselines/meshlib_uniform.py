@@ -9,8 +9,7 @@ import numpy as np
 from meshlib import mrmeshpy  # pyright: ignore[reportMissingImports]
 
 from lpcompare.types import Indices, Points, Simplification, Traits
-from lpcompare_baselines._calibration import search_size, surface_spacing
-from lpcompare_baselines._guards import check_distinct
+from lpcompare_baselines._calibration import search_spacing
 from lpcompare_baselines._meshlib import point_cloud, rows_of
 
 TRAITS = Traits(
@@ -32,9 +31,7 @@ def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) ->
     NotApplicable
         Fewer distinct points exist than are asked for.
     """
-    check_distinct(points, target_count)
-    start = surface_spacing(points, target_count)
-    return {"distance": search_size(lambda d: len(_sample(points, d)), target_count, start)}
+    return {"distance": search_spacing(lambda d: len(_sample(points, d)), points, target_count)}
 
 
 def meshlib_uniform(

@@ -9,8 +9,7 @@ import numpy as np
 
 from lpcompare.geometry.scale import bounding_box_center, bounding_box_diagonal
 from lpcompare.types import Points, Simplification, Traits
-from lpcompare_baselines._calibration import search_size, surface_spacing
-from lpcompare_baselines._guards import check_distinct
+from lpcompare_baselines._calibration import search_spacing
 from lpcompare_baselines._open3d import point_cloud, points_of
 
 TRAITS = Traits(
@@ -31,14 +30,12 @@ _FINEST = 1e-6
 
 def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) -> dict[str, float]:
     """Edge of a cube, in model units, that gives about ``target_count`` points; raises as the method does."""
-    check_distinct(points, target_count)
     cloud, smallest = point_cloud(points), _FINEST * (bounding_box_diagonal(points) or 1.0)
 
     def count(size: float) -> int:
         return len(cloud.voxel_down_sample(size).points)
 
-    start = surface_spacing(points, target_count)
-    return {"cell_size": search_size(count, target_count, start, smallest=smallest)}
+    return {"cell_size": search_spacing(count, points, target_count, smallest=smallest)}
 
 
 def open3d_voxel(

@@ -9,9 +9,9 @@ from __future__ import annotations
 import numpy as np
 
 from lpcompare.types import Points, Simplification, Traits
-from lpcompare_baselines._calibration import search_size, surface_spacing
-from lpcompare_baselines._guards import check_distinct
+from lpcompare_baselines._calibration import search_spacing
 from lpcompare_baselines._pdal import translate
+from lpcompare_baselines._programs import MOST_CALLS
 
 TRAITS = Traits(
     wraps="pdal translate, filters.sample",
@@ -23,9 +23,6 @@ TRAITS = Traits(
     install="conda install -c conda-forge pdal",
 )
 
-_MOST_CALLS = 20
-"""Calls of the search: each starts the program."""
-
 
 def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) -> dict[str, float]:
     """Radius, in model units, whose count is nearest to ``target_count``.
@@ -35,15 +32,11 @@ def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) ->
     NotApplicable
         Fewer points are distinct than are asked for.
     """
-    check_distinct(points, target_count)
-    start = surface_spacing(points, target_count)
-    found = search_size(
-        lambda radius: len(translate(points, "filters.sample", radius=radius)),
-        target_count,
-        start,
-        max_calls=_MOST_CALLS,
-    )
-    return {"radius": found}
+
+    def count(radius: float) -> int:
+        return len(translate(points, "filters.sample", radius=radius))
+
+    return {"radius": search_spacing(count, points, target_count, max_calls=MOST_CALLS)}
 
 
 def pdal_sample(

@@ -7,15 +7,15 @@ asked for; the search here is outside the clock and ends nearer.
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from lpcompare.types import Indices, Points, Simplification, Traits
 from lpcompare_baselines._calibration import surface_spacing
-from lpcompare_baselines._draws import point_order, search_draw
-from lpcompare_baselines._guards import check_distinct, check_resolved
-from lpcompare_baselines._meshlab import finest_length, length, mesh_set, rows_of
+from lpcompare_baselines._draws import drawn_rows, search_draw
+from lpcompare_baselines._meshlab import finest_length, length
 
 TRAITS = Traits(
     family="spacing",
@@ -37,14 +37,8 @@ def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) ->
     NotApplicable
         Fewer points are apart than are asked for.
     """
-    check_distinct(points, target_count)
-    check_resolved(points, target_count, finest_length(points))
-    start = surface_spacing(points, target_count)
-
-    def sample(radius: float, order_seed: int) -> Indices:
-        return _sample(points, radius, order_seed)
-
-    draw = search_draw(sample, len(points), target_count, start, rng, smallest=finest_length(points))
+    sample, start = partial(_sample, points), surface_spacing(points, target_count)
+    draw = search_draw(sample, points, target_count, start, rng, smallest=finest_length(points))
     return {"radius": draw.size, "order_seed": draw.order_seed}
 
 
@@ -85,7 +79,7 @@ def poisson_disk(
 
 
 def _sample(points: Points, radius: float, order_seed: int) -> Indices:
-    order = point_order(points, order_seed)
-    meshes = mesh_set(points[order])
-    meshes.generate_sampling_poisson_disk(subsample=True, radius=length(radius, points))
-    return np.sort(order[rows_of(meshes)])
+    def thin(meshes: Any) -> None:
+        meshes.generate_sampling_poisson_disk(subsample=True, radius=length(radius, points))
+
+    return drawn_rows(points, order_seed, thin)

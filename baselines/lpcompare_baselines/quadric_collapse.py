@@ -10,7 +10,8 @@ import numpy as np
 
 from lpcompare.geometry.scale import bounding_box_center
 from lpcompare.types import PointCloud, Points, Simplification, Traits
-from lpcompare_baselines._collapse import collapse, search_faces
+from lpcompare_baselines._faces import faces_of, search_n_faces
+from lpcompare_baselines._meshlab import collapse
 
 TRAITS = Traits(
     family="mesh",
@@ -27,7 +28,12 @@ def calibrate(
     points: Points, target_count: int, *, rng: np.random.Generator, cloud: PointCloud | None = None
 ) -> dict[str, int]:
     """Number of faces that leaves ``target_count`` points; raises as the method does."""
-    return {"n_faces": search_faces(points, target_count, cloud, optimal=True)}
+    faces = faces_of(cloud, target_count)
+
+    def count(n_faces: int) -> int:
+        return len(collapse(points, faces, n_faces, optimal=True))
+
+    return {"n_faces": search_n_faces(count, target_count, faces)}
 
 
 def quadric_collapse(
@@ -62,6 +68,5 @@ def quadric_collapse(
     NotApplicable
         The cloud has no faces, or they use fewer points than are asked for.
     """
-    return Simplification(
-        collapse(points, target_count, cloud, n_faces, optimal=True) + bounding_box_center(points)
-    )
+    kept = collapse(points, faces_of(cloud, target_count), n_faces, optimal=True)
+    return Simplification(kept + bounding_box_center(points))

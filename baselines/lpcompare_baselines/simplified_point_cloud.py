@@ -7,12 +7,12 @@ until the points returned are those wanted.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from lpcompare.types import Indices, Points, Simplification, Traits
-from lpcompare_baselines._draws import point_order, search_draw
-from lpcompare_baselines._guards import check_distinct, check_resolved
-from lpcompare_baselines._meshlab import finest_length, mesh_set, rows_of
+from lpcompare_baselines._draws import drawn_rows, search_draw
 
 TRAITS = Traits(
     family="spacing",
@@ -36,13 +36,11 @@ def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) ->
     NotApplicable
         Fewer points are apart than are asked for.
     """
-    check_distinct(points, target_count)
-    check_resolved(points, target_count, finest_length(points))
 
     def sample(excess: float, order_seed: int) -> Indices:
         return _sample(points, _asked(target_count, excess), order_seed)
 
-    draw = search_draw(sample, len(points), target_count, _USUAL_EXCESS, rng)
+    draw = search_draw(sample, points, target_count, _USUAL_EXCESS, rng)
     return {"samplenum": _asked(target_count, draw.size), "order_seed": draw.order_seed}
 
 
@@ -87,7 +85,7 @@ def _asked(target_count: int, excess: float) -> int:
 
 
 def _sample(points: Points, samplenum: int, order_seed: int) -> Indices:
-    order = point_order(points, order_seed)
-    meshes = mesh_set(points[order])
-    meshes.generate_simplified_point_cloud(samplenum=samplenum)
-    return np.sort(order[rows_of(meshes)])
+    def thin(meshes: Any) -> None:
+        meshes.generate_simplified_point_cloud(samplenum=samplenum)
+
+    return drawn_rows(points, order_seed, thin)

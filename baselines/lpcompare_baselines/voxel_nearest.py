@@ -8,9 +8,9 @@ from __future__ import annotations
 import numpy as np
 
 from lpcompare.types import Points, Simplification, Traits
-from lpcompare_baselines._calibration import search_size, surface_spacing
+from lpcompare_baselines._calibration import search_spacing
 from lpcompare_baselines._cells import cell_means, finest_cell, grid_cells, n_occupied
-from lpcompare_baselines._guards import check_distinct, check_resolved
+from lpcompare_baselines._clusters import nearest_members
 
 TRAITS = Traits(
     family="voxel",
@@ -30,10 +30,11 @@ def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) ->
     NotApplicable
         Fewer points are apart than are asked for.
     """
-    check_distinct(points, target_count)
-    check_resolved(points, target_count, finest_cell(points))
-    start = surface_spacing(points, target_count)
-    return {"cell_size": search_size(lambda c: n_occupied(grid_cells(points, c)), target_count, start)}
+
+    def count(cell_size: float) -> int:
+        return n_occupied(grid_cells(points, cell_size))
+
+    return {"cell_size": search_spacing(count, points, target_count, finest=finest_cell(points))}
 
 
 def voxel_nearest(
@@ -57,7 +58,5 @@ def voxel_nearest(
         A subset of the input, as many points as cubes are occupied.
     """
     means, group = cell_means(points, grid_cells(points, cell_size))
-    squared = np.square(points - means[group]).sum(axis=1)
-    order = np.lexsort((squared, group))
-    indices = np.sort(order[np.flatnonzero(np.diff(group[order], prepend=-1))])
+    indices = nearest_members(points, group, means)
     return Simplification(points[indices], indices)

@@ -8,8 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from lpcompare.types import Points, Simplification, Traits
-from lpcompare_baselines._calibration import search_size, surface_spacing
-from lpcompare_baselines._guards import check_distinct, check_resolved
+from lpcompare_baselines._calibration import search_spacing
 from lpcompare_baselines._vtk import finest_length, poisson_disk
 
 TRAITS = Traits(
@@ -31,12 +30,12 @@ def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) ->
     NotApplicable
         Fewer points are apart than are asked for.
     """
-    check_distinct(points, target_count)
-    check_resolved(points, target_count, finest_length(points))
-    start, finest = surface_spacing(points, target_count), finest_length(points)
-    return {
-        "radius": search_size(lambda r: len(poisson_disk(points, r)), target_count, start, smallest=finest)
-    }
+    finest = finest_length(points)
+
+    def count(radius: float) -> int:
+        return len(poisson_disk(points, radius))
+
+    return {"radius": search_spacing(count, points, target_count, finest=finest, smallest=finest)}
 
 
 def vtk_poisson_disk(

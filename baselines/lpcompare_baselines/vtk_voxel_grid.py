@@ -8,8 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from lpcompare.types import Points, Simplification, Traits
-from lpcompare_baselines._calibration import search_size, surface_spacing
-from lpcompare_baselines._guards import check_distinct, check_resolved
+from lpcompare_baselines._calibration import search_spacing
 from lpcompare_baselines._vtk import finest_length, voxel_means
 
 TRAITS = Traits(
@@ -33,12 +32,12 @@ def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) ->
     NotApplicable
         Fewer points are apart than are asked for.
     """
-    check_distinct(points, target_count)
-    check_resolved(points, target_count, finest_length(points))
-    start, finest = surface_spacing(points, target_count), finest_length(points)
-    return {
-        "cell_size": search_size(lambda c: len(voxel_means(points, c)), target_count, start, smallest=finest)
-    }
+    finest = finest_length(points)
+
+    def count(cell_size: float) -> int:
+        return len(voxel_means(points, cell_size))
+
+    return {"cell_size": search_spacing(count, points, target_count, finest=finest, smallest=finest)}
 
 
 def vtk_voxel_grid(

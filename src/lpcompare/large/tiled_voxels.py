@@ -8,7 +8,7 @@ in it. That tile looks at all points of the cube, in input order.
 from __future__ import annotations
 
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,7 @@ from lpcompare.tiles.tiles import Run, around, bounds_of, spilling, take, tile_t
 from lpcompare.types import Indices, Mask, Points
 from lpcompare_baselines._calibration import search_size, surface_spacing
 from lpcompare_baselines._cells import cell_means, finest_cell
+from lpcompare_baselines._clusters import nearest_members
 
 
 def stages(job: Job, run: Run) -> None:
@@ -73,16 +74,8 @@ def _number(cubes: NDArray[np.int64], whole: Arrays, edge: float) -> NDArray[np.
     return (cubes[:, 0] * along_y + cubes[:, 1]) * along_z + cubes[:, 2]
 
 
-class _Cubes(NamedTuple):
+def _cubes(job: Job, tile: int, edge: float) -> tuple[Points, Indices, Indices, Mask]:
     """Points in and around a tile in input order, their rows, the cube of each, and the cubes of the tile."""
-
-    points: Points
-    rows: Indices
-    cubes: Indices
-    own: Mask
-
-
-def _cubes(job: Job, tile: int, edge: float) -> _Cubes:
     whole = job.load("whole")
     near = around(job, tile, 2 * edge)
     points = np.concatenate([job.map_array("points", tile), take(job, "points", near)])
@@ -92,7 +85,7 @@ def _cubes(job: Job, tile: int, edge: float) -> _Cubes:
     cubes = np.unique(_number(_cube_of(points[order], whole, edge), whole, edge), return_inverse=True)[1]
     first = np.full(cubes.max(initial=-1) + 1, job.n_tiles)
     np.minimum.at(first, cubes, tiles[order])
-    return _Cubes(points[order], rows[order], cubes, first == tile)
+    return points[order], rows[order], cubes, first == tile
 
 
 def keep(job: Job, tile: int) -> None:
@@ -101,9 +94,7 @@ def keep(job: Job, tile: int) -> None:
     kept = rows[:0]
     if len(points):
         means, group = cell_means(points, cubes)
-        squared = np.square(points - means[group]).sum(axis=1)
-        order = np.lexsort((squared, group))
-        nearest = order[np.flatnonzero(np.diff(group[order], prepend=-1))]
-        kept = np.sort(rows[nearest[own]])
+        nearest = nearest_members(points, group, means)
+        kept = rows[nearest[own[cubes[nearest]]]]
     job.save_array("kept", tile, kept)
     job.save("chosen", tile, count=len(kept))
