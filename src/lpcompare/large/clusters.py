@@ -35,7 +35,7 @@ def stages(job: Job, run: Run) -> None:
 
 def _find_densities(job: Job) -> None:
     """Mean inverse distance of every cluster (eq. 12)."""
-    sums = job.gather("inverse", range(job.n_tiles))["sums"].sum(axis=0)
+    sums = job.sums("inverse")["sums"]
     counts = job.load("clusters")["counts"]
     means = np.divide(sums, counts, out=np.ones(len(sums)), where=(counts > 0) & (sums > 0))
     job.save("densities", means=means)
@@ -99,11 +99,11 @@ def _mixture(job: Job) -> Mixture:
 
 def _find_centroids(job: Job) -> None:
     """Centroid, root mean square distance and mean curvature of every cluster."""
-    sums = {name: v.sum(axis=0) for name, v in job.gather("measured", range(job.n_tiles)).items()}
+    sums = job.sums("measured")
     counts = np.maximum(sums["counts"], 1)
     centroids = sums["totals"] / counts[:, None]
     squares = sums["squares"] / counts - (centroids**2).sum(axis=1)
-    smallest = job.gather("measured", range(job.n_tiles))["smallest_area"].min()
+    smallest = job.gather("measured")["smallest_area"].min()
     n_points = int(sums["counts"].sum())
     job.save(
         "clusters",
@@ -114,6 +114,11 @@ def _find_centroids(job: Job) -> None:
         mean_curvature=sums["curvature"].sum() / n_points,
         smallest_area=smallest,
     )
+
+
+def count_clusters(job: Job) -> int:
+    """Clusters of the whole cloud."""
+    return len(job.load("clusters")["counts"])
 
 
 class TileClusters(NamedTuple):
@@ -134,8 +139,8 @@ def tile_costs(job: Job, tile: int) -> TileClusters:
 def sum_inverse_distances(job: Job, tile: int) -> None:
     """Sums of 1 / d_i over the clusters of a tile."""
     labels = np.asarray(job.map_array("labels", tile), dtype=np.intp)
-    n_clusters = len(job.load("clusters")["counts"])
-    job.save("inverse", tile, sums=np.bincount(labels, _inverse_distances(job, tile, labels), n_clusters))
+    sums = np.bincount(labels, _inverse_distances(job, tile, labels), count_clusters(job))
+    job.save("inverse", tile, sums=sums)
 
 
 def _inverse_distances(job: Job, tile: int, labels: Indices) -> Vector:

@@ -135,7 +135,7 @@ def _spill(whole: Job, few: Job, executor: Executor) -> None:
 
 def _figures(job: Job) -> dict[str, float]:
     """The columns, from the sums and the largest values of the tiles."""
-    parts, whole = job.gather("figures", range(job.n_tiles)), job.load("whole")
+    parts, whole = job.gather("figures"), job.load("whole")
     n_points = int(whole["count"])
     diagonal = float(np.linalg.norm(whole["high"] - whole["low"]))
     if diagonal == 0:

@@ -1,8 +1,9 @@
-"""Whole numbers in proportion to weights, with an exact sum."""
+"""Whole numbers in proportion to weights, with an exact sum; quotients of sums that may be empty."""
 
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from lpcompare.types import Indices, Vector
 
@@ -40,3 +41,18 @@ def largest_remainder(total: int, weights: Vector | Indices, most: Indices) -> I
         more[order[: missing - int(more.sum())]] += 1
         shares = np.minimum(shares + more, most)
     return shares
+
+
+def quotients(
+    above: NDArray[np.floating | np.integer], below: NDArray[np.floating | np.integer], otherwise: float = 0.0
+) -> NDArray[np.float64]:
+    """Quotients of arrays of shapes that fit together, and another value where there is nothing below.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> quotients(np.array([1.0, 2.0]), np.array([4, 0]))
+    array([0.25, 0.  ])
+    """
+    shape = np.broadcast_shapes(above.shape, below.shape)
+    return np.divide(above, below, out=np.full(shape, otherwise), where=below > 0)

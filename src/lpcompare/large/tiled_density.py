@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpcompare.large import clusters
-from lpcompare.large.clusters import tile_costs
-from lpcompare.large.shares import largest_remainder
+from lpcompare.large.clusters import count_clusters, tile_costs
+from lpcompare.large.shares import largest_remainder, quotients
 from lpcompare.paper.budget import allocate_budget, split_budget
 from lpcompare.paper.certificate import DensityGoal
 from lpcompare.paper.features import above_means
@@ -39,8 +39,8 @@ def stages(job: Job, run: Run) -> None:
 
 def summary(job: Job) -> dict[str, Any]:
     """Z of eq. 14 of every cluster, as a share of its density, and how many programs are proven."""
-    counts, budgets = job.gather("features", range(job.n_tiles)), job.load("budgets")
-    chosen = {name: v.sum(axis=0) for name, v in job.gather("chosen", range(job.n_tiles)).items()}
+    counts, budgets = job.gather("features"), job.load("budgets")
+    chosen = job.sums("chosen")
     left = (counts["points"] - budgets["features"]).sum(axis=0)
     densities = (counts["costs"].sum(axis=0) - chosen["feature_costs"]) / np.maximum(left, 1)
     some = chosen["counts"] > 0
@@ -58,7 +58,7 @@ def summary(job: Job) -> dict[str, Any]:
 def count_features(job: Job, tile: int) -> None:
     """Features, other points, and sorted costs of the clusters of a tile."""
     labels, costs = tile_costs(job, tile)
-    n_clusters = len(job.load("clusters")["counts"])
+    n_clusters = count_clusters(job)
     features = _features(job, tile, labels)
     keys = labels * _BINS + _bins(costs)
     job.save(
@@ -84,7 +84,7 @@ def _bins(costs: NDArray[np.float64]) -> Indices:
 
 def share_budgets(job: Job) -> None:
     """Points that every part of a cluster keeps: features, and those that its program chooses."""
-    counts = job.gather("features", range(job.n_tiles))
+    counts = job.gather("features")
     sizes, n_features = counts["points"].sum(axis=0), counts["features"].sum(axis=0)
     if job.settings["retention"] == "keep-features":
         total = job.target_count * int((sizes - n_features).sum()) // int(sizes.sum())
@@ -134,7 +134,7 @@ def choose(job: Job, tile: int) -> None:
     chosen = [rest[mask] for (_, rest, _), (mask, _) in zip(tasks, results, strict=True)]
     every = np.sort(np.concatenate([*kept, *chosen, np.empty(0, dtype=np.intp)]))
     picked, marked = (np.concatenate([*some, np.empty(0, dtype=np.intp)]) for some in (chosen, kept))
-    n_clusters = len(job.load("clusters")["counts"])
+    n_clusters = count_clusters(job)
     job.save_array("kept", tile, job.map_array("rows", tile)[every])
     job.save(
         "chosen",
@@ -156,17 +156,12 @@ def _program(job: Job, costs: NDArray[np.float64], n_keep: int, shift: float) ->
 
 def _shifts(job: Job) -> NDArray[np.float64]:
     """By how much the parts' own means miss that of the candidates of the whole cluster, per point chosen."""
-    counts, budgets = job.gather("features", range(job.n_tiles)), job.load("budgets")
-    mean_features = np.divide(
-        counts["feature_costs"],
-        counts["features"],
-        out=np.zeros(counts["costs"].shape),
-        where=counts["features"] > 0,
-    )
+    counts, budgets = job.gather("features"), job.load("budgets")
+    mean_features = quotients(counts["feature_costs"], counts["features"])
     left = counts["points"] - budgets["features"]
     costs = counts["costs"] - budgets["features"] * mean_features
-    means = np.divide(costs, left, out=np.zeros(costs.shape), where=left > 0)
+    means = quotients(costs, left)
     n_left, n_chosen = left.sum(axis=0), budgets["programs"].sum(axis=0)
-    wanted = np.divide(costs.sum(axis=0), n_left, out=np.zeros(len(n_left)), where=n_left > 0)
+    wanted = quotients(costs.sum(axis=0), n_left)
     missing = n_chosen * wanted - (budgets["programs"] * means).sum(axis=0)
-    return np.divide(missing, n_chosen, out=np.zeros(len(n_left)), where=n_chosen > 0)
+    return quotients(missing, n_chosen)

@@ -49,7 +49,7 @@ def _foresee_radii(job: Job) -> None:
 def _find_radius(job: Job) -> None:
     radius = job.settings.get("radius")
     if radius is None:
-        counts = job.gather("disks", range(job.n_tiles))["counts"].sum(axis=0)
+        counts = job.sums("disks")["counts"]
         scale = float(job.load("whole")["scale"])
         radius = scale * radius_of(job.target_count, job.load("radii")["radii"], counts)
     job.save("radius", radius=radius)

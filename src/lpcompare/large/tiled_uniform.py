@@ -21,7 +21,8 @@ from numpy.typing import NDArray
 from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.geometry.surface import Surface
 from lpcompare.large import clusters, weights
-from lpcompare.large.clusters import surface_of, surroundings, tile_costs
+from lpcompare.large.clusters import count_clusters, surface_of, surroundings, tile_costs
+from lpcompare.large.shares import quotients
 from lpcompare.tiles.job import Job
 from lpcompare.tiles.tiles import (
     Around,
@@ -153,7 +154,7 @@ def _scene(job: Job, tile: int, kept_of: dict[int, str]) -> _Scene:
     points, kept = points[rows], kept[rows]
     tree = Neighbors(points)
     labels, costs = tile_costs(job, tile)
-    n_clusters = len(job.load("clusters")["counts"])
+    n_clusters = count_clusters(job)
     every_label = np.append(labels, np.full(len(rows) - n_own, n_clusters))[tree.order]
     every_cost = np.append(costs, np.ones(len(rows) - n_own))[tree.order]
     density = ClusterDensity(every_label, every_cost, np.ones(n_clusters + 1))
@@ -201,7 +202,7 @@ def _band(job: Job, tile: int, scene: _Scene) -> DensityBand:
 
 def _save_densities(job: Job, tile: int, name: str, kept: Indices) -> None:
     labels, costs = tile_costs(job, tile)
-    n_clusters = len(job.load("clusters")["counts"])
+    n_clusters = count_clusters(job)
     job.save(
         name,
         tile,
@@ -212,11 +213,8 @@ def _save_densities(job: Job, tile: int, name: str, kept: Indices) -> None:
 
 def _find_deviations(job: Job, name: str, result: str) -> None:
     """Mean cost of the kept points of every cluster of the whole cloud, less one."""
-    sums = {key: v.sum(axis=0) for key, v in job.gather(name, range(job.n_tiles)).items()}
-    means = np.divide(
-        sums["costs"], sums["counts"], out=np.ones(len(sums["costs"])), where=sums["counts"] > 0
-    )
-    job.save(result, deviations=means - 1.0)
+    sums = job.sums(name)
+    job.save(result, deviations=quotients(sums["costs"], sums["counts"], 1.0) - 1.0)
 
 
 def choose(job: Job, tile: int) -> None:

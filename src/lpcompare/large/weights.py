@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from lpcompare.large.clusters import surface_of, tile_costs
-from lpcompare.large.shares import largest_remainder
+from lpcompare.large.clusters import count_clusters, surface_of, tile_costs
+from lpcompare.large.shares import largest_remainder, quotients
 from lpcompare.large.spacing import disk_counts, radius_of, trial_radii
 from lpcompare.tiles.job import Job
 from lpcompare.tiles.tiles import Run, normalized, tile_tasks, uniform
@@ -42,7 +42,7 @@ def sample(job: Job, tile: int) -> None:
     drawn = uniform(rows, job.seed + 2) < _SAMPLE / job.n_points
     labels, costs = tile_costs(job, tile)
     weights = _untilted(job, tile)
-    sums = np.bincount(labels, weights, _n_clusters(job))
+    sums = np.bincount(labels, weights, count_clusters(job))
     job.save(
         "weight_sample", tile, weights=weights[drawn], labels=labels[drawn], costs=costs[drawn], sums=sums
     )
@@ -54,14 +54,10 @@ def _untilted(job: Job, tile: int) -> Vector:
     return weights_in(surface.areas, curvature, float(whole["mean_curvature"]), float(whole["smallest_area"]))
 
 
-def _n_clusters(job: Job) -> int:
-    return len(job.load("clusters")["counts"])
-
-
 def _find_powers(job: Job) -> None:
     parts = [job.load("weight_sample", tile) for tile in range(job.n_tiles)]
     weights, labels, costs = (np.concatenate([p[n] for p in parts]) for n in ("weights", "labels", "costs"))
-    powers = tilt_powers(weights, costs, labels, _n_clusters(job))
+    powers = tilt_powers(weights, costs, labels, count_clusters(job))
     job.save("powers", powers=powers, sums=np.sum([p["sums"] for p in parts], axis=0), radii=trial_radii(job))
 
 
@@ -69,16 +65,14 @@ def sum_tilted(job: Job, tile: int) -> None:
     """What the clusters of a tile have too much of their density, and its slope over the power."""
     labels, costs = tile_costs(job, tile)
     tilted = _untilted(job, tile) * costs ** job.load("powers")["powers"][labels] * (costs - 1.0)
-    n_clusters = _n_clusters(job)
+    n_clusters = count_clusters(job)
     slopes = np.bincount(labels, tilted * np.log(costs), n_clusters)
     job.save("tilted", tile, excess=np.bincount(labels, tilted, n_clusters), slopes=slopes)
 
 
 def _correct_powers(job: Job) -> None:
-    sums = {name: v.sum(axis=0) for name, v in job.gather("tilted", range(job.n_tiles)).items()}
-    steps = np.divide(
-        sums["excess"], sums["slopes"], out=np.zeros(_n_clusters(job)), where=sums["slopes"] > 0
-    )
+    sums = job.sums("tilted")
+    steps = quotients(sums["excess"], sums["slopes"])
     job.save("tilts", powers=job.load("powers")["powers"] - np.clip(steps, -0.5, 0.5))
 
 
@@ -90,8 +84,8 @@ def sum_weights(job: Job, tile: int) -> None:
     job.save(
         "weight_sums",
         tile,
-        weights=np.bincount(labels, weights, _n_clusters(job)),
-        costs=np.bincount(labels, weights * costs, _n_clusters(job)),
+        weights=np.bincount(labels, weights, count_clusters(job)),
+        costs=np.bincount(labels, weights * costs, count_clusters(job)),
         points=len(labels),
         disks=disk_counts(points, job.load("powers")["radii"], job.target_count / job.n_points),
     )
@@ -99,14 +93,14 @@ def sum_weights(job: Job, tile: int) -> None:
 
 def _share_budgets(job: Job) -> None:
     """Points of every tile, what each part of a cluster should have, and the radius of the hole limit."""
-    sums = job.gather("weight_sums", range(job.n_tiles))
+    sums = job.gather("weight_sums")
     tilted = sums["weights"].sum(axis=0)
-    factors = np.divide(job.load("powers")["sums"], tilted, out=np.ones(len(tilted)), where=tilted > 0)
+    factors = quotients(job.load("powers")["sums"], tilted, 1.0)
     weights = sums["weights"] * factors
     totals = weights.sum(axis=1)
     budgets = largest_remainder(job.target_count, totals, sums["points"])
-    means = np.divide(sums["costs"], sums["weights"], out=np.ones_like(weights), where=weights > 0)
-    shares = np.divide(weights, totals[:, None], out=np.zeros_like(weights), where=totals[:, None] > 0)
+    means = quotients(sums["costs"], sums["weights"], 1.0)
+    shares = quotients(weights, totals[:, None])
     radius = radius_of(job.target_count, job.load("powers")["radii"], sums["disks"].sum(axis=0))
     counts = budgets[:, None] * shares
     job.save("budgets", budgets=budgets, means=means, counts=counts, factors=factors, radius=radius)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from pathlib import Path
@@ -109,10 +109,14 @@ class Job:
         """An array on disk, read where it is looked at."""
         return np.load(self.path(name, number, ".npy"), mmap_mode="r")
 
-    def gather(self, name: str, numbers: Sequence[int] | range) -> Arrays:
-        """The results of several blocks or tiles, each array with a first axis for them."""
-        parts = [self.load(name, number) for number in numbers]
-        return {key: np.stack([part[key] for part in parts]) for key in parts[0]} if parts else {}
+    def gather(self, name: str) -> Arrays:
+        """The results of all tiles, each array with a first axis for them."""
+        parts = [self.load(name, tile) for tile in range(self.n_tiles)]
+        return {key: np.stack([part[key] for part in parts]) for key in parts[0]}
+
+    def sums(self, name: str) -> Arrays:
+        """The results of all tiles, added up."""
+        return {key: values.sum(axis=0) for key, values in self.gather(name).items()}
 
 
 def _state(path: Path) -> tuple[int, int]:
