@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import glob
 import os
 import shutil
 import sys
@@ -399,11 +398,12 @@ def _pairs(paths: list[str], *, force: bool) -> list[tuple[Path, Path | str]]:
     """Each input with its output, checked before any work is done."""
     from lpcompare.errors import InputError
     from lpcompare.io import check_target
+    from lpcompare.tiles.fetch import matches
 
     if len(paths) < 2:
         raise InputError("Name at least one input and then the output.")
     *inputs, out = paths
-    sources = [Path(match) for word in inputs for match in _matches(word)]
+    sources = [Path(match) for word in inputs for match in matches(word)]
     if len(sources) == 1 and out == STANDARD_OUTPUT:
         return [(sources[0], out)]
     if len(sources) == 1 and not Path(out).is_dir():
@@ -419,18 +419,6 @@ def _pairs(paths: list[str], *, force: bool) -> list[tuple[Path, Path | str]]:
                 f"{target} is an input and would be replaced; name another file, or say --force."
             )
     return list(zip(sources, targets, strict=True))
-
-
-def _matches(word: str) -> list[str]:
-    """The files of a pattern that the shell has left alone, sorted; any other word as it is."""
-    if Path(word).exists() or not glob.has_magic(word):
-        return [word]
-    found = sorted(glob.glob(word))
-    if not found:
-        from lpcompare.errors import InputError
-
-        raise InputError(f"No file matches {word!r}.")
-    return found
 
 
 def _folder(out: str) -> Path:

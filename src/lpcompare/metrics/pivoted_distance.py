@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from lpcompare.mesh_library import pymeshlab
+from lpcompare.mesh_library import pivoted, pymeshlab
 from lpcompare.metrics.comparison import Comparison
 from lpcompare.types import Column, Points, Vector
 
@@ -22,9 +22,6 @@ COLUMNS = {
     ),
     "pivoted_distance_max_pct": Column("% of diagonal", "Largest distance of an original to that surface"),
 }
-
-_BALLS = (1.0, 2.0, 3.0, 4.5)
-_SHARE_OF_SPACING = 0.9
 
 
 def pivoted_distance(comparison: Comparison) -> dict[str, float]:
@@ -52,13 +49,7 @@ def _distances(comparison: Comparison) -> Vector:
     spacings = comparison.spacings[comparison.spacings > 0]
     if len(spacings) < 3:
         return comparison.forward_distances
-    ml = pymeshlab()
-    meshes = ml.MeshSet()
-    meshes.add_mesh(ml.Mesh(comparison.simplified[np.lexsort(comparison.simplified.T)]))
-    meshes.compute_normal_for_point_clouds(k=10)
-    for ball in _BALLS:
-        radius = ml.PureValue(_SHARE_OF_SPACING * float(np.median(spacings)) * ball)
-        meshes.generate_surface_reconstruction_ball_pivoting(ballradius=radius)
+    meshes = pivoted(comparison.simplified[np.lexsort(comparison.simplified.T)], float(np.median(spacings)))
     if meshes.current_mesh().face_number() == 0:
         return comparison.forward_distances
     return _to_surface(meshes, comparison.original, comparison.diagonal)

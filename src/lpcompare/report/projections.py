@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from lpcompare.errors import InputError
 from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.geometry.scale import bounding_box_center
-from lpcompare.mesh_library import pymeshlab
+from lpcompare.mesh_library import pivoted
 from lpcompare.report.styles import CLUSTER_COLORS, MARK_COLORS
 from lpcompare.types import Points, Vector
 
@@ -24,8 +24,6 @@ VIEW = (15.0, 12.0)
 _N_NEIGHBORS = 12
 _LIGHT = np.array([-0.35, 0.5, 0.8]) / np.linalg.norm([-0.35, 0.5, 0.8])
 _AMBIENT = 0.35
-_RADII = (0.9, 1.8, 2.7, 4.05)
-"""Balls of growing size, in median spacings: one size alone leaves holes where points are sparse."""
 
 
 def draw_cloud(
@@ -182,17 +180,12 @@ def triangulate(points: Points) -> NDArray[np.intp]:
     """
     if len(points) < 3:
         raise InputError(f"{len(points)} points span no triangle; give at least 3.")
-    library = pymeshlab()
     distances = Neighbors(points).query(points, 2)[0][:, 1]
     if not distances.any():
         return np.empty((0, 3), dtype=np.intp)
     spacing = float(np.median(distances[distances > 0]))
-    meshes = library.MeshSet()
-    meshes.add_mesh(library.Mesh(vertex_matrix=points - bounding_box_center(points)))
-    meshes.compute_normal_for_point_clouds(k=10)
-    for radius in _RADII:
-        meshes.generate_surface_reconstruction_ball_pivoting(ballradius=library.PureValue(radius * spacing))
-    mesh = meshes.current_mesh()
+    meshes = pivoted(points - bounding_box_center(points), spacing)
+    mesh = meshes.current_mesh()  # which is gone when the MeshSet is
     if mesh.vertex_number() != len(points):
         raise InputError(
             "Ball pivoting dropped points; the triangles cannot be told by the rows of the input."

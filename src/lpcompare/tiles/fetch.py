@@ -37,15 +37,22 @@ def is_url(word: str) -> bool:
     return "://" in word
 
 
+def matches(word: str) -> list[str]:
+    """The files of a pattern that the shell has left alone, sorted; any other word as it is."""
+    if Path(word).exists() or not glob.has_magic(word):
+        return [word]
+    if found := sorted(glob.glob(word)):
+        return found
+    raise InputError(f"No file matches {word!r}.")
+
+
 def _files(word: str, folder: Path) -> list[Path]:
     if is_url(word):
         return [_fetched(word, folder)]
-    found = [word] if Path(word).exists() or not glob.has_magic(word) else sorted(glob.glob(word))
+    found = matches(word)
     for path in found:
         if not Path(path).is_file():
             raise InputError(f"{path} is no file; name files that exist.")
-    if not found:
-        raise InputError(f"No file matches {word!r}.")
     return [Path(path).absolute() for path in found]
 
 

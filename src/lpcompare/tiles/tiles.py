@@ -199,7 +199,7 @@ def spilling(job: Job, run: Run) -> None:
     if not job.path("boxes").exists():
         run("spilling", block_tasks(job, spill, "block_starts"))
         run("sorting", tile_tasks(job, collect, "box"))
-        job.save("boxes", **job.gather("box", range(job.n_tiles)))
+        job.save("boxes", **job.gather("box"))
     for block in job.blocks:
         job.path("block_points", block.number, ".npy").unlink(missing_ok=True)
         job.path("block_rows", block.number, ".npy").unlink(missing_ok=True)
