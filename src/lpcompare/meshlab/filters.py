@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from lpcompare.meshlab import fields, plane_error, simplification
+from lpcompare.meshlab import fields, simplification
 from lpcompare.meshlab.parameters import Parameter
 
 
@@ -47,13 +47,13 @@ FILTERS = {
             simplification.simplify_layer_uniformly,
             simplification.UNIFORM_PARAMETERS,
         ),
-        Filter("compute_scalar_by_plane_error_per_vertex", plane_error.fill, plane_error.FILL_PARAMETERS),
+        Filter("compute_scalar_by_plane_error_per_vertex", fields.fill_plane_error, fields.FILL_PARAMETERS),
         Filter("compute_absolute_curvature_per_vertex", fields.fill_curvature, fields.CURVATURE_PARAMETERS),
         Filter(
             "compute_expectation_maximization_clusters_per_vertex",
             fields.fill_clusters,
             fields.CLUSTER_PARAMETERS,
         ),
-        Filter("get_plane_error", plane_error.measure, plane_error.MEASURE_PARAMETERS),
+        Filter("get_plane_error", fields.measure_plane_error, fields.MEASURE_PARAMETERS),
     )
 }

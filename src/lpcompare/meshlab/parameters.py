@@ -140,6 +140,9 @@ class Parameter:
         )
 
 
+SELECTED = Parameter("selected", bool, False, "Work on the selected vertices only.")
+
+
 def _length_of(text: str) -> Any:
     """The length of its text, "2.5%" or "0.01"; other text as it is, for the check to refuse."""
     known = pymeshlab()

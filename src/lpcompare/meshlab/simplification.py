@@ -9,7 +9,7 @@ from lpcompare.errors import InputError
 from lpcompare.geometry.scale import bounding_box_diagonal
 from lpcompare.mesh_library import pymeshlab
 from lpcompare.meshlab.layers import add_subset, coordinates, used_rows
-from lpcompare.meshlab.parameters import Parameter
+from lpcompare.meshlab.parameters import SELECTED, Parameter
 from lpcompare.paper.simplifier import LPThinning
 from lpcompare.simplify import simplify
 from lpcompare.types import Points
@@ -35,7 +35,6 @@ _HOW_MANY = (
     Parameter("neighbornum", int, _DEFAULTS["n_neighbors"], "Points of each curvature fit.", low=1),
 )
 _SEED = Parameter("randomseed", int, _DEFAULTS["random_state"], "Seed of every random draw.", low=0)
-_SELECTED = Parameter("selected", bool, False, "Work on the selected vertices only.")
 
 PARAMETERS = (
     *_HOW_MANY,
@@ -62,7 +61,7 @@ PARAMETERS = (
         1.0,
     ),
     _SEED,
-    _SELECTED,
+    SELECTED,
 )
 UNIFORM_PARAMETERS = (
     *_HOW_MANY,
@@ -75,7 +74,7 @@ UNIFORM_PARAMETERS = (
         0.0,
     ),
     _SEED,
-    _SELECTED,
+    SELECTED,
 )
 
 
