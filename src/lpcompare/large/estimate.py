@@ -1,10 +1,9 @@
-"""What a thinning of files will need: tiles, disk, memory, time; said before it begins."""
+"""What a thinning of files will need, known before it begins: memory, tiles, disk."""
 
 from __future__ import annotations
 
 import os
 import shutil
-from dataclasses import dataclass
 from pathlib import Path
 
 from lpcompare.checks import check_integer
@@ -23,22 +22,6 @@ _LARGEST_TILE = 1_000_000
 _SMALLEST_TILE = 2_000
 
 
-@dataclass(frozen=True)
-class Estimate:
-    """What is foreseen.
-
-    Attributes
-    ----------
-    n_tiles : int
-    memory_mib, disk_mib : float
-        Of all processes together, and of the spill folder at its largest.
-    """
-
-    n_tiles: int
-    memory_mib: float
-    disk_mib: float
-
-
 def free_memory() -> int:
     """Bytes of memory that are free now."""
     import psutil
@@ -51,8 +34,10 @@ def in_memory_bytes(method: str, n_points: int) -> int:
     return _FIXED + n_points * _BYTES_IN_MEMORY.get(method, _OTHER_BYTES_IN_MEMORY)
 
 
-def estimate(method: str, n_points: int, memory: int | None, n_workers: int, n_tiles: int | None) -> Estimate:
-    """Tiles, memory and disk.
+def choose_n_tiles(
+    method: str, n_points: int, memory: int | None, n_workers: int, n_tiles: int | None
+) -> int:
+    """The tiles to work in.
 
     Parameters
     ----------
@@ -70,26 +55,23 @@ def estimate(method: str, n_points: int, memory: int | None, n_workers: int, n_t
         The memory or the number of tiles is no positive integer, or the memory is too small for any tile.
     """
     memory = free_memory() // 2 if memory is None else check_integer("memory", memory, 1)
-    n_tiles = None if n_tiles is None else check_integer("n_tiles", n_tiles, 1)
+    if n_tiles is not None:
+        return check_integer("n_tiles", n_tiles, 1)
     each = int(_HALO * _BYTES_IN_MEMORY.get(method, _OTHER_BYTES_IN_MEMORY))
     room = memory // n_workers - _FIXED
-    if n_tiles is None:
-        tile_points = min(_LARGEST_TILE, room // each)
-        if tile_points < min(_SMALLEST_TILE, n_points):
-            least = (_FIXED + each * _SMALLEST_TILE) * n_workers / 2**20
-            raise InputError(
-                f"--memory is {memory / 2**20:.0f} MiB for {n_workers} processes; "
-                f"give at least {least:.0f} MiB, or fewer workers."
-            )
-        n_tiles = max(1, -(-n_points // tile_points))
-    largest = n_points / n_tiles * each + _FIXED
-    on_disk = n_points * _BYTES_ON_DISK.get(method, _OTHER_BYTES_ON_DISK)
-    return Estimate(n_tiles, n_workers * largest / 2**20, on_disk / 2**20)
+    tile_points = min(_LARGEST_TILE, room // each)
+    if tile_points < min(_SMALLEST_TILE, n_points):
+        least = (_FIXED + each * _SMALLEST_TILE) * n_workers / 2**20
+        raise InputError(
+            f"--memory is {memory / 2**20:.0f} MiB for {n_workers} processes; "
+            f"give at least {least:.0f} MiB, or fewer workers."
+        )
+    return max(1, -(-n_points // tile_points))
 
 
-def check_disk(folder: Path, needed_mib: float) -> None:
-    """Raise an `InputError` where a folder has not the room that is needed."""
-    place = folder
+def check_disk(folder: Path, method: str, n_points: int) -> None:
+    """Raise an `InputError` where a folder has not the room for the tiles of a method."""
+    needed_mib, place = n_points * _BYTES_ON_DISK.get(method, _OTHER_BYTES_ON_DISK) / 2**20, folder
     while not place.exists():
         place = place.parent
     free = shutil.disk_usage(place).free / 2**20

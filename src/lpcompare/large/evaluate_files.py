@@ -21,7 +21,7 @@ from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.geometry.planes import fit_planes, plane_distances
 from lpcompare.geometry.scale import bounding_box_center
 from lpcompare.io import read
-from lpcompare.large.estimate import check_disk, estimate
+from lpcompare.large.estimate import check_disk, choose_n_tiles
 from lpcompare.large.simplify_files import some_client, spill_folder, spilling_folder
 from lpcompare.progress import Callback
 from lpcompare.tiles.fetch import local_files
@@ -94,9 +94,9 @@ def evaluate_files(
         ]
         n_points = sum(job.n_points for job in jobs)
         n_workers = len(client.nthreads()) if client is not None else workers
-        needs = estimate("evaluate", n_points, memory, max(1, n_workers), n_tiles)
-        check_disk(folder, needs.disk_mib)
-        whole, few = (replace(job, n_tiles=needs.n_tiles) for job in jobs)
+        n_tiles = choose_n_tiles("evaluate", n_points, memory, max(1, n_workers), n_tiles)
+        check_disk(folder, "evaluate", n_points)
+        whole, few = (replace(job, n_tiles=n_tiles) for job in jobs)
         with some_client(client, workers) as some:
             executor = Executor(some, callback)
             _spill(whole, few, executor)

@@ -20,7 +20,7 @@ from lpcompare.errors import InputError, SolverError
 from lpcompare.files import replace_text
 from lpcompare.io import check_target as check_output
 from lpcompare.io import same_format
-from lpcompare.large.estimate import check_disk, estimate, used_mib
+from lpcompare.large.estimate import check_disk, choose_n_tiles, used_mib
 from lpcompare.progress import Callback, StageClock
 from lpcompare.registry import METHODS, call
 from lpcompare.tiles.fetch import local_files
@@ -151,15 +151,15 @@ def simplify_files(
         counts = [count_points(path) for path in files]
         count = check_target(sum(counts), target_reduction, target_count)
         _check_output(files, output)
-        needs = estimate(method, sum(counts), memory, max(1, n_workers), n_tiles)
-        check_disk(folder, needs.disk_mib)
+        n_tiles = choose_n_tiles(method, sum(counts), memory, max(1, n_workers), n_tiles)
+        check_disk(folder, method, sum(counts))
         job = Job(
             folder=folder,
             inputs=tuple(zip(files, counts, strict=True)),
             target_count=count,
             method=method,
             settings=settings,
-            n_tiles=check_integer("n_tiles", needs.n_tiles, 1, max(count, 1)),
+            n_tiles=check_integer("n_tiles", n_tiles, 1, max(count, 1)),
             seed=check_integer("random_state", random_state, 0),
         )
         _claim(job, resume=resume)
