@@ -11,14 +11,16 @@ import numpy as np
 
 from lpcompare.checks import check_number, check_points, check_seed, check_target, valid_rows
 from lpcompare.errors import InputError
-from lpcompare.geometry.outliers import outlier_mask
+from lpcompare.geometry.neighbors import Neighbors
 from lpcompare.interplay import make_object, read_object
 from lpcompare.max_error import simplify_within
 from lpcompare.registry import METHODS, Seed, call
-from lpcompare.types import PointCloud, Simplification
+from lpcompare.types import Mask, PointCloud, Points, Simplification
 
 if TYPE_CHECKING:
     from lpcompare.benchmark.isolation import Limits
+
+_OUTLIER_NEIGHBORS = 12
 
 
 def simplify(
@@ -164,6 +166,32 @@ def _without_outliers(
     lonely = outlier_mask(cloud.points, check_number("drop_outliers", n_deviations, 0.0))
     rows = np.arange(len(cloud)) if rows is None else rows
     return cloud.take(np.flatnonzero(~lonely)), rows[~lonely], rows[lonely]
+
+
+def outlier_mask(points: Points, n_deviations: float) -> Mask:
+    """The points whose mean distance to their 12 nearest is far above the cloud's mean.
+
+    Statistical outlier removal of Rusu, Marton, Blodow, Dolha and Beetz (Towards 3D point cloud based object
+    maps for household environments, 2008, section 3.2), as in PCL, Open3D and CloudCompare.
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, 3)
+        Finite.
+    n_deviations : float
+        How many standard deviations above the mean is far.
+
+    Returns
+    -------
+    ndarray of bool, shape (n,)
+        True for outliers; never all of the points.
+    """
+    n_nearest = min(_OUTLIER_NEIGHBORS, len(points) - 1)
+    if n_nearest < 1:
+        return np.zeros(len(points), dtype=np.bool_)
+    distances, _ = Neighbors(points).query(points, n_nearest + 1)
+    means = distances.sum(axis=1) / n_nearest
+    return means > means.mean() + n_deviations * means.std()
 
 
 def _in_rows_of_the_input(

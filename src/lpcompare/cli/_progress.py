@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import subprocess
-import sys
 from collections import defaultdict
 from collections.abc import Iterable
 from statistics import fmean
@@ -125,8 +124,3 @@ class RunProgress:
 
     def _time_left(self) -> str:
         return duration(self._estimate.remaining_s(self._left)) if self._left else "0 s"
-
-
-def shows_progress(quiet: bool) -> bool:
-    """Whether someone is there to see it."""
-    return not quiet and sys.stderr.isatty()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from contextlib import nullcontext
 from datetime import datetime
 from importlib import import_module
@@ -179,14 +180,14 @@ def _plan(study: str, flags: dict[str, Any], assignments: list[str], machine: di
 def _run(plan: Plan, models: Mapping[str, PointCloud], folder: Path, *, resume: bool, quiet: bool) -> Run:
     """Run the plan, print its table and write its page."""
     from lpcompare.benchmark.runner import run_plan, silent
-    from lpcompare.cli._progress import shows_progress
     from lpcompare.registry import METHODS
     from lpcompare.report.tables import format_run
 
     for note in METHODS.notes:
         say(note, err=True)
     try:
-        with _progress(plan, models) if shows_progress(quiet) else nullcontext(silent) as listener:
+        hidden = quiet or not sys.stderr.isatty()
+        with nullcontext(silent) if hidden else _progress(plan, models) as listener:
             run = run_plan(plan, models, folder, resume=resume, listener=listener, meanwhile=_import_page)
     except KeyboardInterrupt:
         say(f"\nStopped. Continue with the same command and --resume --out {folder}", err=True)

@@ -240,11 +240,11 @@ def _how_far(
 
 def _limits(time_limit: float | None, memory_limit: int | None, *, isolate: bool) -> Limits | None:
     """The limits of a child process, or None where none is asked for."""
+    if time_limit is None and memory_limit is None and not isolate:
+        return None
     from lpcompare.benchmark.isolation import Limits
     from lpcompare.checks import check_integer, check_number
 
-    if time_limit is None and memory_limit is None and not isolate:
-        return None
     memory = None if memory_limit is None else check_integer("--memory-limit", memory_limit, 1)
     seconds = Limits.time_s if time_limit is None else check_number("--time-limit", time_limit, 1e-3)
     return Limits(seconds, memory)

@@ -6,7 +6,7 @@ from scipy.spatial import KDTree
 
 import lpcompare
 from lpcompare.errors import InputError
-from lpcompare.geometry.outliers import outlier_mask
+from lpcompare.simplify import outlier_mask
 
 
 def sphere_with_outliers(n_points=3000, n_outliers=150, seed=0):
