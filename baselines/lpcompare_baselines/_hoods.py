@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpcompare.geometry.frames import tangents
+from lpcompare.geometry.planes import fit_planes
 from lpcompare.types import Mask, Points, Vector
 from lpcompare_baselines._buckets import farthest_points
 
@@ -47,6 +48,33 @@ def normals_and_variation(points: Points, neighbors: IndexArray) -> tuple[Points
         normals[block] = vectors[:, :, 0]
         whole = values.sum(axis=1)
         np.divide(np.maximum(values[:, 0], 0.0), whole, out=variation[block], where=whole > 0)
+    return normals, variation
+
+
+def planes_and_variation(points: Points, hoods: IndexArray) -> tuple[Points, Vector]:
+    """Normal of the plane through each neighborhood, and the share of its variance that lies along it.
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, 3)
+    hoods : ndarray of int, shape (n, k)
+        The points of each neighborhood, itself among them.
+
+    Returns
+    -------
+    normals : ndarray, shape (n, 3)
+        Those of `fit_planes`.
+    variation : ndarray, shape (n,)
+        As `normals_and_variation` gives it, but for rounding.
+    """
+    normals, variation = np.empty((len(hoods), 3)), np.zeros(len(hoods))
+    for start in range(0, len(hoods), _BLOCK):
+        block = slice(start, start + _BLOCK)
+        centers, normals[block] = fit_planes(points, hoods[block])
+        offsets = points[hoods[block]] - centers[:, None]
+        along = np.square(np.einsum("qki,qi->qk", offsets, normals[block])).sum(axis=1)
+        total = np.square(offsets).sum(axis=(1, 2))
+        np.divide(along, total, out=variation[block], where=total > 0)
     return normals, variation
 
 

@@ -1,4 +1,4 @@
-"""Orders of a cloud in which copies of a position come last."""
+"""Orders of a cloud in which copies of a position come last, and draws by weight."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from lpcompare.types import Indices, Points, Simplification
+from lpcompare.types import Indices, Points, Simplification, Vector
 
 
 def copies_last(points: Points, order: Callable[[Points], Indices]) -> Indices:
@@ -32,3 +32,14 @@ def first_of(points: Points, rows: Indices, target_count: int) -> Simplification
     ranks = np.argsort(rows[:target_count])
     indices = rows[ranks]
     return Simplification(points[indices], indices, info={"order": ranks})
+
+
+def drawn_by_weight(weights: Vector, target_count: int, rng: np.random.Generator) -> Indices:
+    """Rows drawn without replacement in proportion to weights of 0 or more, ascending.
+
+    Efraimidis and Spirakis 2006: the smallest exponential waiting times are such a draw. Rows without a weight
+    come after all others.
+    """
+    draws = rng.exponential(size=len(weights))
+    waiting = np.divide(draws, weights, out=np.full(len(weights), np.inf), where=weights > 0)
+    return np.sort(np.lexsort((draws, waiting))[:target_count])

@@ -20,6 +20,7 @@ import numpy as np
 
 from lpcompare.geometry.graphs import gaussian_graph, high_pass
 from lpcompare.types import Points, Simplification, Traits
+from lpcompare_baselines._orders import drawn_by_weight
 
 TRAITS = Traits(
     wraps="numpy, scipy.sparse",
@@ -50,8 +51,5 @@ def chen_graph(
         A subset of the input.
     """
     response = np.linalg.norm(high_pass(gaussian_graph(points, n_neighbors), points), axis=1)
-    # Efraimidis and Spirakis 2006: the smallest exponential waiting times are such a draw
-    draws = rng.exponential(size=len(points))
-    waiting = np.divide(draws, response, out=np.full(len(points), np.inf), where=response > 0)
-    indices = np.sort(np.lexsort((draws, waiting))[:target_count])
+    indices = drawn_by_weight(response, target_count, rng)
     return Simplification(points[indices], indices)

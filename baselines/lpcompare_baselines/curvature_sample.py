@@ -9,8 +9,9 @@ from __future__ import annotations
 import numpy as np
 
 from lpcompare.geometry.neighbors import Neighbors
-from lpcompare.geometry.planes import fit_planes
-from lpcompare.types import Points, Simplification, Traits, Vector
+from lpcompare.types import Points, Simplification, Traits
+from lpcompare_baselines._hoods import planes_and_variation
+from lpcompare_baselines._orders import drawn_by_weight
 
 TRAITS = Traits(
     family="curvature",
@@ -18,8 +19,6 @@ TRAITS = Traits(
     source="Pauly, Gross and Kobbelt, Efficient simplification of point-sampled surfaces, Visualization 2002",
     licence="BSD-3-Clause",
 )
-
-_BLOCK = 65536
 
 
 def curvature_sample(
@@ -48,24 +47,7 @@ def curvature_sample(
     Simplification
         A subset of the input.
     """
-    variation = _surface_variation(points, n_neighbors)
+    _, variation = planes_and_variation(points, Neighbors(points).query(points, n_neighbors)[1])
     weights = variation + (floor * variation.mean() or 1.0)
-    # Efraimidis and Spirakis 2006: the smallest exponential waiting times are such a draw
-    waiting = rng.exponential(size=len(points)) / weights
-    indices = np.sort(np.argsort(waiting, kind="stable")[:target_count])
+    indices = drawn_by_weight(weights, target_count, rng)
     return Simplification(points[indices], indices)
-
-
-def _surface_variation(points: Points, n_neighbors: int) -> Vector:
-    """Share of each neighbourhood's variance that lies along its normal, shape (n,), from 0 to 1/3."""
-    _, neighbors = Neighbors(points).query(points, n_neighbors)
-    variation = np.zeros(len(points))
-    for start in range(0, len(points), _BLOCK):
-        block = slice(start, start + _BLOCK)
-        hoods = points[neighbors[block]]
-        centroids, normals = fit_planes(points, neighbors[block])
-        offsets = hoods - centroids[:, None, :]
-        along = np.square(np.einsum("qki,qi->qk", offsets, normals)).sum(axis=1)
-        total = np.square(offsets).sum(axis=(1, 2))
-        np.divide(along, total, out=variation[block], where=total > 0)
-    return variation

@@ -26,10 +26,10 @@ from numba import njit
 from numpy.typing import NDArray
 
 from lpcompare.geometry.graphs import nearest_others
-from lpcompare.geometry.planes import fit_planes
 from lpcompare.types import Indices, Mask, Points, Simplification, Traits, Vector
 from lpcompare_baselines._calibration import surface_spacing
 from lpcompare_baselines._grid import CellGrid
+from lpcompare_baselines._hoods import planes_and_variation
 
 TRAITS = Traits(
     wraps="numpy, numba",
@@ -87,13 +87,9 @@ def point_features(points: Points, n_neighbors: int) -> Array:
     """Normal, position and surface variation of each point, shape (n, 7), each column standardised."""
     _, near = nearest_others(points, n_neighbors)
     rows = np.column_stack([np.arange(len(points)), near])
-    centers, normals = fit_planes(points, rows)
+    normals, variation = planes_and_variation(points, rows)
     outward = points - points.mean(axis=0)
     normals = normals * np.where(np.einsum("ij,ij->i", normals, outward) < 0, -1.0, 1.0)[:, None]
-    offsets = points[rows] - centers[:, None]
-    total = np.square(offsets).sum(axis=(1, 2))
-    along = np.square(np.einsum("nkj,nj->nk", offsets, normals)).sum(axis=1)
-    variation = np.divide(along, total, out=np.zeros(len(points)), where=total > 0)
     features = np.column_stack([normals, outward, variation])
     features -= features.mean(axis=0)
     deviations = features.std(axis=0)
