@@ -1,4 +1,4 @@
-"""Pages in Markdown: a run with every metric against a reference, and the methods with what each needs."""
+"""The page of a run in Markdown: every metric against a reference."""
 
 from __future__ import annotations
 
@@ -10,15 +10,12 @@ import pandas as pd
 
 from lpcompare.benchmark.record import Run
 from lpcompare.files import replace_text
-from lpcompare.registry import METHODS
 from lpcompare.report.cells import ERROR, RUNTIME, cells, choose_reference, columns, mean_ratios, witnesses
 from lpcompare.report.findings import summarize
 from lpcompare.report.tables import escape_markdown as escape
 from lpcompare.report.tables import listing, markdown_table, percent, plain, seconds
-from lpcompare.types import Traits
 
 _PER_TABLE = 6
-_METHODS = ("method", "what it does", "needs", "result", "count", "attributes", "licence")
 
 
 def write_study_page(run: Run, out: Path, reference: str = "") -> Path:
@@ -40,27 +37,6 @@ def write_study_page(run: Run, out: Path, reference: str = "") -> Path:
     table = cells(run.frame)
     replace_text(out, "\n".join(_lines(run, table, reference or choose_reference(table))) + "\n")
     return out
-
-
-def method_page() -> str:
-    """The methods as Markdown: a table of flags, then what each one wraps and where it comes from.
-
-    Returns
-    -------
-    str
-        Default methods first, those behind an extra after them. No method is imported.
-    """
-    names = sorted(METHODS, key=lambda name: (bool(METHODS.traits(name).extra), name))
-    rows = [(f"`{name}`", METHODS.summary(name), *_flags(METHODS.traits(name))) for name in names]
-    rows = [[cell.replace("|", "\\|") for cell in row] for row in rows]
-    lines = [
-        "# Methods",
-        "",
-        "Made from the methods' own files by `lpcompare.report.page_markdown.method_page()`.",
-    ]
-    lines += ["", *markdown_table(_METHODS, rows, "---"), "", "## What each one wraps, and its source", ""]
-    lines += [_entry(name, METHODS.traits(name)) for name in names]
-    return "\n".join([*lines, ""])
 
 
 def _lines(run: Run, table: pd.DataFrame, reference: str) -> Iterator[str]:
@@ -123,21 +99,3 @@ def _model_table(table: pd.DataFrame, reference: str) -> Iterator[str]:
 
 def _mean(value: float, n: int = 0, most: int = 0) -> str:
     return "-" if math.isnan(value) else f"{value:.2f}" + (f" ({n})" if n < most else "")
-
-
-def _flags(traits: Traits) -> tuple[str, ...]:
-    """One cell per flag, in the order of the header."""
-    needs = ["mesh"] * traits.needs_mesh
-    if traits.extra:
-        needs.append(f"`lpcompare[{traits.extra}]`")
-    return (
-        ", ".join(needs) or "points",
-        "new points" if traits.moves_points else "subset",
-        "exact" if traits.exact_count else "near",
-        "kept" if traits.keeps_attributes else "lost",
-        traits.licence,
-    )
-
-
-def _entry(name: str, traits: Traits) -> str:
-    return f"- `{name}`: {traits.wraps}. {traits.source}".rstrip(". ") + "."
