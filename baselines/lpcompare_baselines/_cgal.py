@@ -8,7 +8,7 @@ import numpy as np
 from CGAL.CGAL_Kernel import Point_3  # pyright: ignore[reportMissingImports]
 from CGAL.CGAL_Point_set_3 import Point_set_3  # pyright: ignore[reportMissingImports]
 
-from lpcompare.geometry.scale import bounding_box_center
+from lpcompare.geometry.scale import about_center
 from lpcompare.types import Indices, Points
 
 MOST_CALLS = 20
@@ -19,7 +19,7 @@ def point_set(points: Points) -> Any:
     """The points as a CGAL point set, about the centre of their bounding box."""
     cloud = Point_set_3()
     cloud.reserve(len(points))
-    for x, y, z in (points - bounding_box_center(points)).tolist():
+    for x, y, z in about_center(points).tolist():
         cloud.insert(Point_3(x, y, z))
     return cloud
 

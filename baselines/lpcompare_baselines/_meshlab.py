@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpcompare.errors import InputError
-from lpcompare.geometry.scale import bounding_box_center, bounding_box_diagonal
+from lpcompare.geometry.scale import about_center, bounding_box_diagonal
 from lpcompare.mesh_library import pymeshlab
 from lpcompare.types import Indices, Points
 
@@ -18,17 +18,12 @@ _FINEST = 1e-6
 """Share of the bounding box's diagonal."""
 
 
-def centred(points: Points) -> Points:
-    """The points about the centre of their bounding box: MeshLab holds lengths in single precision."""
-    return points - bounding_box_center(points)
-
-
 def mesh_set(points: Points, faces: NDArray[np.intp] | None = None) -> Any:
-    """A MeshSet of one layer: the centred points, each with its row number as its scalar."""
+    """A MeshSet of one layer: the points about their box's center, each with its row number as its scalar."""
     extra = {} if faces is None else {"face_matrix": faces}
     rows = np.arange(len(points), dtype=float)
     meshes = ml.MeshSet()
-    meshes.add_mesh(ml.Mesh(centred(points), v_scalar_array=rows, **extra))
+    meshes.add_mesh(ml.Mesh(about_center(points), v_scalar_array=rows, **extra))
     return meshes
 
 

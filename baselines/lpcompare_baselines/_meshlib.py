@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 from meshlib import mrmeshnumpy  # pyright: ignore[reportMissingImports]
 
-from lpcompare.geometry.scale import bounding_box_center
+from lpcompare.geometry.scale import about_center
 from lpcompare.types import Indices, Points
 
 
 def point_cloud(points: Points) -> Any:
     """The points as a MeshLib cloud in single precision, about the centre of their bounding box."""
-    centred: Any = points - bounding_box_center(points)
+    centred: Any = about_center(points)
     return mrmeshnumpy.pointCloudFromPoints(centred)
 
 

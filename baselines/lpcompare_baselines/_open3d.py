@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 import open3d  # pyright: ignore[reportMissingImports]
 
-from lpcompare.geometry.scale import bounding_box_center
+from lpcompare.geometry.scale import about_center
 from lpcompare.types import Points
 
 
 def point_cloud(points: Points) -> Any:
     """The points as an Open3D cloud, about the centre of their bounding box."""
-    centred = points - bounding_box_center(points)
+    centred = about_center(points)
     return open3d.geometry.PointCloud(open3d.utility.Vector3dVector(centred))
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from plyfile import PlyData
 
-from lpcompare.geometry.scale import bounding_box_center
+from lpcompare.geometry.scale import about_center
 from lpcompare.types import Points
 
 MOST_CALLS = 20
@@ -33,7 +33,7 @@ def numbered(points: Points, kind: str, rows: Iterable[tuple[str, str, NDArray[A
     rows : iterable of (str, str, ndarray)
         Name, kind and values (n,) of each further field.
     """
-    axes = zip("xyz", (kind,) * 3, (points - bounding_box_center(points)).T, strict=True)
+    axes = zip("xyz", (kind,) * 3, about_center(points).T, strict=True)
     names, kinds, columns = zip(*axes, *rows, strict=True)
     table = np.empty(len(points), dtype=list(zip(names, kinds, strict=True)))
     for name, column in zip(names, columns, strict=True):

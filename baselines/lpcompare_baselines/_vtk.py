@@ -11,7 +11,7 @@ from vtkmodules.vtkCommonDataModel import vtkPolyData  # pyright: ignore[reportM
 from vtkmodules.vtkFiltersPoints import vtkPoissonDiskSampler, vtkVoxelGrid  # pyright: ignore
 
 from lpcompare.geometry.neighbors import Neighbors
-from lpcompare.geometry.scale import bounding_box_center
+from lpcompare.geometry.scale import about_center, bounding_box_center
 from lpcompare.types import Indices, Points
 
 
@@ -36,7 +36,7 @@ def poisson_disk(points: Points, radius: float) -> Indices:
     """
     sampler = vtkPoissonDiskSampler()
     sampler.SetRadius(radius)
-    centred = points - bounding_box_center(points)
+    centred = about_center(points)
     return np.unique(Neighbors(centred).query(_run(sampler, centred), 1)[1])
 
 

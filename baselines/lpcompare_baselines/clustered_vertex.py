@@ -7,10 +7,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from lpcompare.geometry.scale import about_center
 from lpcompare.types import Points, Simplification, Traits
 from lpcompare_baselines._calibration import search_spacing
 from lpcompare_baselines._cells import meshlab_cells, n_occupied
-from lpcompare_baselines._meshlab import centred, finest_length, length, mesh_set
+from lpcompare_baselines._meshlab import finest_length, length, mesh_set
 
 TRAITS = Traits(
     family="voxel",
@@ -29,7 +30,7 @@ def calibrate(points: Points, target_count: int, *, rng: np.random.Generator) ->
     NotApplicable
         Fewer points are apart than are asked for.
     """
-    middle, finest = centred(points), finest_length(points)
+    middle, finest = about_center(points), finest_length(points)
 
     def count(cell_size: float) -> int:
         return n_occupied(meshlab_cells(middle, cell_size))

@@ -12,7 +12,7 @@ import fpsample  # pyright: ignore[reportMissingImports]
 import numpy as np
 
 from lpcompare.errors import NotApplicable
-from lpcompare.geometry.scale import bounding_box_center
+from lpcompare.geometry.scale import about_center
 from lpcompare.types import Points, Simplification, Traits
 from lpcompare_baselines._guards import check_distinct
 from lpcompare_baselines._orders import first_of
@@ -55,7 +55,7 @@ def fpsample_farthest_point(points: Points, target_count: int, *, rng: np.random
     """
     if len(points) < _FEWEST:
         raise NotApplicable(f"fpsample takes {_FEWEST} points or more, and the cloud has {len(points)}.")
-    centred = (points - bounding_box_center(points)).astype(np.float32)
+    centred = about_center(points).astype(np.float32)
     check_distinct(centred.astype(np.float64), target_count)
     height = min(_LARGEST_HEIGHT, max(1, int(np.log2(len(points)) / 2)))
     first = int(rng.integers(len(points)))

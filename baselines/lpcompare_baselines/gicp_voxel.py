@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 import small_gicp
 
-from lpcompare.geometry.scale import bounding_box_center, bounding_box_diagonal
+from lpcompare.geometry.scale import about_center, bounding_box_center, bounding_box_diagonal
 from lpcompare.types import Points, Simplification, Traits
 from lpcompare_baselines._calibration import search_spacing
 
@@ -63,5 +63,5 @@ def gicp_voxel(
 
 def _means(points: Points, cell_size: float) -> Points:
     """Means of the cubes, about the centre of the bounding box."""
-    centred = points - bounding_box_center(points)
+    centred = about_center(points)
     return np.array(small_gicp.voxelgrid_sampling(centred, cell_size, num_threads=1).points())[:, :3]

@@ -10,7 +10,7 @@ import meshoptimizer  # pyright: ignore[reportMissingImports]
 import numpy as np
 
 from lpcompare.errors import NotApplicable
-from lpcompare.geometry.scale import bounding_box_center
+from lpcompare.geometry.scale import about_center
 from lpcompare.types import Points, Simplification, Traits
 
 TRAITS = Traits(
@@ -45,7 +45,7 @@ def meshoptimizer_points(points: Points, target_count: int, *, rng: np.random.Ge
     NotApplicable
         No grid has so few occupied cells.
     """
-    centred = np.ascontiguousarray(points - bounding_box_center(points), dtype=np.float32)
+    centred = np.ascontiguousarray(about_center(points), dtype=np.float32)
     rows = np.empty(target_count, dtype=np.uint32)
     n_kept = meshoptimizer.simplify_points(rows, centred, target_vertex_count=target_count)
     if n_kept == 0:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from lpcompare.geometry.scale import bounding_box_center
+from lpcompare.geometry.scale import about_center
 from lpcompare.types import Points, Simplification, Traits
 from lpcompare_baselines._faces import rows_at
 from lpcompare_baselines._guards import check_distinct
@@ -48,5 +48,5 @@ def open3d_farthest_point(points: Points, target_count: int, *, rng: np.random.G
     check_distinct(points, target_count)
     first = int(rng.integers(len(points)))
     kept = points_of(point_cloud(points).farthest_point_down_sample(target_count, first))
-    indices = rows_at(points - bounding_box_center(points), kept)
+    indices = rows_at(about_center(points), kept)
     return Simplification(points[indices], indices)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from lpcompare.geometry.scale import bounding_box_center
+from lpcompare.geometry.scale import about_center
 from lpcompare.types import Points, Simplification, Traits
 from lpcompare_baselines._faces import rows_at
 from lpcompare_baselines._open3d import point_cloud, points_of
@@ -48,5 +48,5 @@ def open3d_uniform(
         low = max(n // target_count, 1)
         every = min(low, low + 1, key=lambda k: abs(-(-n // k) - target_count))
     kept = points_of(point_cloud(points).uniform_down_sample(every))
-    indices = rows_at(points - bounding_box_center(points), kept)
+    indices = rows_at(about_center(points), kept)
     return Simplification(points[indices], indices)

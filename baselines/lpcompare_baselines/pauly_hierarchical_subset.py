@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from lpcompare.geometry.scale import bounding_box_center
+from lpcompare.geometry.scale import about_center
 from lpcompare.types import Points, Simplification, Traits
 from lpcompare_baselines._clusters import nearest_members
 from lpcompare_baselines.pauly_hierarchical import split_clusters
@@ -46,7 +46,7 @@ def pauly_hierarchical_subset(
     Simplification
         A subset of the input.
     """
-    centered = points - bounding_box_center(points)
+    centered = about_center(points)
     indices = nearest_members(
         centered, *split_clusters(centered, target_count, queue, max_size, max_variation)
     )

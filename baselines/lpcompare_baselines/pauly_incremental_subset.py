@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from lpcompare.geometry.scale import bounding_box_center
+from lpcompare.geometry.scale import about_center
 from lpcompare.types import Points, Simplification, Traits
 from lpcompare_baselines._clusters import cluster_means, nearest_members
 from lpcompare_baselines.pauly_incremental import grow_clusters
@@ -39,7 +39,7 @@ def pauly_incremental_subset(
     Simplification
         A subset of the input.
     """
-    centered = points - bounding_box_center(points)
+    centered = about_center(points)
     labels = grow_clusters(centered, target_count, max_variation, rng)
     indices = nearest_members(centered, labels, cluster_means(centered, labels))
     return Simplification(points[indices], indices)

@@ -32,7 +32,7 @@ from numpy.typing import NDArray
 
 from lpcompare.geometry.graphs import nearest_others
 from lpcompare.geometry.planes import fit_planes
-from lpcompare.geometry.scale import bounding_box_center
+from lpcompare.geometry.scale import about_center, bounding_box_center
 from lpcompare.types import Indices, Mask, Points, Simplification, Traits, Vector
 from lpcompare_baselines._contraction import ROUNDING, contract, link, tangent_quadrics
 
@@ -99,7 +99,7 @@ def contract_pairs(points: Points, target_count: int, n_neighbors: int, *, subse
 
     When no pair is left because the rest lies apart, pairs are made anew from the nearest living rows.
     """
-    places, living = points - bounding_box_center(points), np.arange(len(points))
+    places, living = about_center(points), np.arange(len(points))
     nearest = nearest_others(places, max(n_neighbors, _NORMAL_NEIGHBORS))[1]
     normals = fit_planes(places, np.column_stack([living, nearest[:, :_NORMAL_NEIGHBORS]]))[1]
     nearest = nearest[:, :n_neighbors]

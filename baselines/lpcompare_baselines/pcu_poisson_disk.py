@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 import point_cloud_utils
 
-from lpcompare.geometry.scale import bounding_box_center
+from lpcompare.geometry.scale import about_center
 from lpcompare.types import Points, Simplification, Traits
 from lpcompare_baselines._guards import check_distinct
 
@@ -54,7 +54,7 @@ def pcu_poisson_disk(
     """
     check_distinct(points, target_count)
     rows = point_cloud_utils.downsample_point_cloud_poisson_disk(
-        points - bounding_box_center(points),
+        about_center(points),
         -1.0,
         target_count,
         int(rng.integers(1, _LARGEST_SEED)),

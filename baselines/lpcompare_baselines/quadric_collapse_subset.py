@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from lpcompare.geometry.scale import bounding_box_center
+from lpcompare.geometry.scale import about_center
 from lpcompare.types import PointCloud, Points, Simplification, Traits
 from lpcompare_baselines._faces import faces_of, rows_at, search_n_faces
 from lpcompare_baselines._meshlab import collapse
@@ -67,5 +67,5 @@ def quadric_collapse_subset(
         The cloud has no faces, or they use fewer points than are asked for.
     """
     kept = collapse(points, faces_of(cloud, target_count), n_faces, optimal=False)
-    indices = rows_at(points - bounding_box_center(points), kept)
+    indices = rows_at(about_center(points), kept)
     return Simplification(points[indices], indices)

@@ -11,7 +11,7 @@ import fast_simplification
 import numpy as np
 from numpy.typing import NDArray
 
-from lpcompare.geometry.scale import bounding_box_center
+from lpcompare.geometry.scale import about_center, bounding_box_center
 from lpcompare.types import PointCloud, Points, Simplification, Traits
 from lpcompare_baselines._faces import faces_of, search_n_faces
 
@@ -74,6 +74,6 @@ def quadric_decimation(
 
 def _collapse(points: Points, faces: NDArray[np.intp], n_faces: int) -> Points:
     """Points left, about the centre: far from the origin the quadrics lose digits."""
-    centred = np.ascontiguousarray(points - bounding_box_center(points))
+    centred = np.ascontiguousarray(about_center(points))
     kept = fast_simplification.simplify(centred, faces.astype(np.int32), target_count=n_faces)[0]
     return np.asarray(kept, dtype=float)

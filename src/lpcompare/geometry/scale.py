@@ -18,6 +18,11 @@ def bounding_box_center(points: Points) -> Vector:
     return low + (high - low) / 2
 
 
+def about_center(points: Points) -> Points:
+    """``points`` (n, 3) about the center of their bounding box, where single precision costs the fewest digits."""
+    return points - bounding_box_center(points)
+
+
 def normalize(points: Points) -> tuple[Points, Vector, float]:
     """Move a cloud to its centroid and divide it by its root mean square radius.
 

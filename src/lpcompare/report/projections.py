@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lpcompare.errors import InputError
 from lpcompare.geometry.neighbors import Neighbors
-from lpcompare.geometry.scale import bounding_box_center
+from lpcompare.geometry.scale import about_center
 from lpcompare.mesh_library import pivoted
 from lpcompare.report.styles import CLUSTER_COLORS, MARK_COLORS
 from lpcompare.types import Points, Vector
@@ -115,7 +115,7 @@ def draw_mesh(
 
     places, depth = project(points, VIEW, up)
     order = np.argsort(depth[faces].mean(axis=1))
-    corners = _turned(points - bounding_box_center(points), VIEW, up)[faces[order]]
+    corners = _turned(about_center(points), VIEW, up)[faces[order]]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
     normals = np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0)
@@ -138,7 +138,7 @@ def local_normals(points: Points) -> Points:
 
     if len(points) < 3:
         return np.tile([0.0, 0.0, 1.0], (len(points), 1))
-    centred = points - bounding_box_center(points)
+    centred = about_center(points)
     near = centred[KDTree(centred).query(centred, min(_N_NEIGHBORS, len(points)))[1]]
     offsets = near - near.mean(axis=1, keepdims=True)
     return np.linalg.eigh(np.einsum("nki,nkj->nij", offsets, offsets))[1][:, :, 0]
@@ -184,7 +184,7 @@ def triangulate(points: Points) -> NDArray[np.intp]:
     if not distances.any():
         return np.empty((0, 3), dtype=np.intp)
     spacing = float(np.median(distances[distances > 0]))
-    meshes = pivoted(points - bounding_box_center(points), spacing)
+    meshes = pivoted(about_center(points), spacing)
     mesh = meshes.current_mesh()  # which is gone when the MeshSet is
     if mesh.vertex_number() != len(points):
         raise InputError(
@@ -195,7 +195,7 @@ def triangulate(points: Points) -> NDArray[np.intp]:
 
 def project(points: Points, view: tuple[float, float] = VIEW, up: str = "y") -> tuple[Points, Vector]:
     """Places (n, 2) on the picture, and depth (n,) towards the viewer, both in model units."""
-    turned = _turned(points - bounding_box_center(points), view, up)
+    turned = _turned(about_center(points), view, up)
     return turned[:, :2], turned[:, 2]
 
 

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+from lpcompare.geometry.scale import about_center
 from lpcompare_baselines._cells import cell_means, grid_cells, meshlab_cells, n_occupied
-from lpcompare_baselines._meshlab import centred, mesh_set, ml
+from lpcompare_baselines._meshlab import mesh_set, ml
 
 
 @pytest.fixture(scope="module")
@@ -17,7 +18,7 @@ def cloud():
 def test_numpy_counts_the_cells_that_meshlab_fills(cloud, size):
     meshes = mesh_set(cloud)
     meshes.meshing_decimation_clustering(threshold=ml.PureValue(size))
-    assert n_occupied(meshlab_cells(centred(cloud), size)) == meshes.current_mesh().vertex_number()
+    assert n_occupied(meshlab_cells(about_center(cloud), size)) == meshes.current_mesh().vertex_number()
 
 
 def test_grid_cells_by_hand():
