@@ -85,7 +85,8 @@ def prepare(methods: Sequence[str], metrics: Sequence[str]) -> None:
     """Call our own methods and metrics once, on a small cloud and one thread, before children are forked.
 
     What a rival imports, its own process imports: a library may start threads, which no fork takes along.
-    MeshLab starts none before its first filter. On a machine's first run the kernels are compiled here: those of the metrics by a second process.
+    MeshLab starts none before its first filter. On a machine's first run the kernels are compiled here: those of
+    the metrics by a second process.
     """
     from highspy import Highs
     from threadpoolctl import threadpool_limits
