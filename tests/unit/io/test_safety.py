@@ -1,6 +1,7 @@
 """Untrusted files and places: bombs, pipes, code beside a scan, links, modes and names of any bytes."""
 
 import os
+import signal
 import stat
 import subprocess
 import sys
@@ -12,7 +13,7 @@ import psutil
 import pytest
 
 from lpcompare.errors import InputError
-from lpcompare.files import replace_text, whole_file
+from lpcompare.files import _remove_left_parts, replace_text, whole_file
 from lpcompare.io import keep_rows, read, write
 from lpcompare.types import PointCloud
 
@@ -145,6 +146,44 @@ def test_the_part_of_a_file_is_nobody_elses_and_goes_with_a_failure(tmp_path):
     assert len(names) == 3
     assert [p.name for p in tmp_path.iterdir()] == ["a.txt"]
     assert (tmp_path / "a.txt").read_text() == "old"
+
+
+WRITING = """
+import sys, time
+from pathlib import Path
+from lpcompare.files import _remove_left_parts, replace_text, whole_file
+with whole_file(Path(sys.argv[1])) as part:
+    part.write_text("half")
+    print(flush=True)
+    time.sleep(60)
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems have other signals and locks")
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP, signal.SIGKILL], ids=lambda s: s.name)
+def test_a_signal_leaves_the_old_file_alone(number, tmp_path):
+    """At once, or where nothing can be done at once, when the next one writes."""
+    file, other = tmp_path / "a.txt", tmp_path / "b.txt"
+    file.write_text("old")
+    with subprocess.Popen([sys.executable, "-c", WRITING, other], stdout=subprocess.PIPE) as bystander:
+        with subprocess.Popen([sys.executable, "-c", WRITING, file], stdout=subprocess.PIPE) as writer:
+            assert bystander.stdout.readline()
+            assert writer.stdout.readline()
+            writer.send_signal(number)
+            assert writer.wait(10) == -number
+        assert len(list(tmp_path.iterdir())) == (3 if number == signal.SIGKILL else 2)
+        _remove_left_parts.cache_clear()
+        replace_text(tmp_path / "c.txt", "new")
+        names = {path.name for path in tmp_path.iterdir() if not path.name.startswith(".")}
+        assert len(list(tmp_path.iterdir())) == 3, "the part of the one that still writes stays"
+        bystander.terminate()
+    assert names == {"a.txt", "c.txt"}
+    assert file.read_text() == "old"
+
+
+def test_no_signal_is_caught_once_a_file_is_written(tmp_path):
+    replace_text(tmp_path / "a.txt", "new")
+    assert signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
 
 
 def test_a_link_stays_and_its_file_is_replaced(tmp_path):
