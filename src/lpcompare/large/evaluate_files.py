@@ -87,7 +87,7 @@ def evaluate_files(
     >>> round(evaluate_files(folder / "ground.npy", folder / "thin.npy")["plane_error_pct"], 9)
     0.0
     """
-    folder = spill_folder(Path(reduced), spill)
+    folder = spill_folder(Path(reduced), spill, "evaluate")
     with spilling_folder(folder, resume=False):
         jobs = [
             _job(folder / name, files) for name, files in (("original", original), ("reduced", [reduced]))

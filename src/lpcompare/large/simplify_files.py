@@ -17,7 +17,7 @@ import numpy as np
 
 from lpcompare.checks import check_integer, check_target
 from lpcompare.errors import InputError, SolverError
-from lpcompare.files import replace_text
+from lpcompare.files import replace_text, writing
 from lpcompare.io import check_target as check_output
 from lpcompare.io import same_format
 from lpcompare.large.estimate import check_disk, choose_n_tiles, used_mib
@@ -33,6 +33,8 @@ from lpcompare.types import PointCloud
 
 _LONGEST_NAME = 255
 """Bytes of a file's name that file systems take."""
+
+_LOCK, _ORDER = "spill.lock", "job.json"
 
 TILED = {
     "lp_density": "tiled_density",
@@ -220,37 +222,69 @@ def _check_output(files: list[Path], output: Path) -> None:
         raise InputError(f"Two inputs have the same name and would share a file in {output}; rename one.")
 
 
-def spill_folder(output: Path, spill: str | Path | None) -> Path:
-    """Where the tiles go: the folder that is named, or a hidden one beside the output."""
+def spill_folder(output: Path, spill: str | Path | None, work: str = "spill") -> Path:
+    """Where the tiles go: the folder that is named, or a hidden one beside the output, which names the ``work``."""
     if spill is not None:
         return Path(spill).absolute()
     if output.is_dir():
-        return output.absolute() / ".spill"
-    name = f".{output.name}.spill"
+        return output.absolute() / f".{work}"
+    name = f".{output.name}.{work}"
     if len(os.fsencode(name)) > _LONGEST_NAME:
-        name = f".{hashlib.sha256(os.fsencode(name)).hexdigest()}.spill"
+        name = f".{hashlib.sha256(os.fsencode(name)).hexdigest()}.{work}"
     return output.absolute().with_name(name)
 
 
 @contextmanager
 def spilling_folder(folder: Path, *, resume: bool) -> Iterator[None]:
-    """The folder, empty at the start unless it is resumed; after a failure it stays and is named."""
-    if folder.exists() and not resume:
-        if any(folder.iterdir()) and not (folder / "job.json").exists():
-            raise InputError(f"{folder} is not empty and no spill folder; name another one with --spill.")
+    """The folder, empty at the start unless it is resumed; after a failure it stays and is named.
+
+    One process works in it at a time. The file of its lock says that it is a spill folder.
+    """
+    if folder.exists() and any(folder.iterdir()) and not (folder / _LOCK).exists():
+        raise InputError(f"{folder} is not empty and no spill folder; name another one with --spill.")
+    with _sole_worker(folder):
+        if not resume:
+            _empty(folder)
+        try:
+            yield
+        except (KeyboardInterrupt, OSError, InputError, SolverError) as error:
+            if not (folder / _ORDER).exists():
+                shutil.rmtree(folder)
+                raise
+            if isinstance(error, OSError):
+                raise InputError(f"{error.strerror or error}. {_continue(folder)}") from error
+            raise type(error)(f"{error} {_continue(folder)}".strip()) from error
         shutil.rmtree(folder)
-    folder.mkdir(parents=True, exist_ok=True)
-    begun = folder / "job.json"
+
+
+@contextmanager
+def _sole_worker(folder: Path) -> Iterator[None]:
+    """Keep other processes out of the folder, which is made if need be."""
+    from filelock import FileLock, Timeout
+
+    lock = FileLock(folder / _LOCK, blocking=False)
+    with writing(folder, "make room, or name another folder with --spill"):
+        folder.mkdir(parents=True, exist_ok=True)
+        try:
+            lock.acquire()
+        except Timeout as error:
+            raise InputError(
+                f"Another lpcompare works in {folder}; wait until it has ended, "
+                "or name another folder with --spill."
+            ) from error
     try:
         yield
-    except (KeyboardInterrupt, OSError, InputError, SolverError) as error:
-        if not begun.exists():
-            shutil.rmtree(folder)
-            raise
-        if isinstance(error, OSError):
-            raise InputError(f"{error.strerror or error}. {_continue(folder)}") from error
-        raise type(error)(f"{error} {_continue(folder)}".strip()) from error
-    shutil.rmtree(folder)
+    finally:
+        lock.release()
+
+
+def _empty(folder: Path) -> None:
+    """Remove what an earlier start left, but not the lock."""
+    for path in folder.iterdir():
+        if path.is_dir() and not path.is_symlink():
+            shutil.rmtree(path)
+        elif path.name != _LOCK:
+            path.unlink()
 
 
 def _continue(folder: Path) -> str:
@@ -265,7 +299,7 @@ def _claim(job: Job, *, resume: bool) -> None:
     }
     text = json.dumps(order, sort_keys=True, default=repr)
     mark = hashlib.sha256(text.encode()).hexdigest()
-    place = job.folder / "job.json"
+    place = job.folder / _ORDER
     if resume and place.exists():
         if json.loads(place.read_text())["mark"] != mark:
             raise InputError(

@@ -6,6 +6,7 @@ import json
 import laspy
 import numpy as np
 import pytest
+from filelock import FileLock
 
 import lpcompare
 from lpcompare.errors import InputError
@@ -206,6 +207,44 @@ def test_a_spill_folder_of_another_order_is_not_continued(files, tmp_path):
     with pytest.raises(InputError, match="other inputs or settings"):
         thin(files[".npy"], tmp_path / "thin.npy", resume=True, target_count=500)
     assert json.loads((tmp_path / ".thin.npy.spill" / "job.json").read_text())["method"][2] == 600
+
+
+def stop(work, error):
+    """End some work after two tasks; SystemExit passes everything by, as SIGKILL does."""
+    with pytest.MonkeyPatch.context() as patch:
+        interrupted(patch, error, 2)
+        with pytest.raises(type(error)):
+            work()
+
+
+def test_what_a_killed_process_leaves_is_no_obstacle(files, tmp_path):
+    def reduce():
+        return thin(files[".npy"], tmp_path / "thin.npy", method="random_sample")
+
+    def evaluate():
+        return lpcompare.evaluate_files(files[".npy"], tmp_path / "thin.npy", n_tiles=4)
+
+    stop(reduce, SystemExit())
+    reduce()
+    stop(evaluate, SystemExit())
+    assert evaluate()["plane_error_pct"] > 0
+    assert [path.name for path in tmp_path.iterdir()] == ["thin.npy"]
+
+
+def test_an_evaluation_leaves_the_tiles_of_an_interrupted_thinning(files, tmp_path):
+    np.save(tmp_path / "thin.npy", np.eye(3))
+    stop(lambda: thin(files[".npy"], tmp_path / "thin.npy", method="random_sample"), KeyboardInterrupt())
+    lpcompare.evaluate_files(files[".npy"], tmp_path / "thin.npy")
+    assert (tmp_path / ".thin.npy.spill" / "job.json").exists()
+
+
+def test_two_processes_do_not_work_in_one_spill_folder(files, tmp_path):
+    (tmp_path / ".thin.npy.spill").mkdir()
+    with (
+        FileLock(tmp_path / ".thin.npy.spill" / "spill.lock"),
+        pytest.raises(InputError, match="Another lpcompare works in"),
+    ):
+        thin(files[".npy"], tmp_path / "thin.npy", method="random_sample")
 
 
 def test_a_full_disk_is_one_sentence_and_keeps_the_tiles(files, tmp_path):
