@@ -16,6 +16,13 @@ from lpcompare.processes.children import Children, Ending
 WORKER = "lpcompare.benchmark.worker"
 """The module whose ``main`` runs a case in a child process."""
 
+_FROM_OUTSIDE = {
+    signal.SIGINT,
+    signal.SIGTERM,
+    getattr(signal, "SIGKILL", None),
+    getattr(signal, "SIGHUP", None),
+}
+
 
 class Request(msgspec.Struct, frozen=True):
     """What `lpcompare.benchmark.worker` is asked to do.
@@ -124,7 +131,10 @@ def run_case(
         sentence = f"Killed in {answer.stage} after {time_limit_s:g} s, the time limit."
         return _with_message(answer, "timeout", sentence)
     sentence = f"{_end(ending, memory_limit_mib)} in {answer.stage}."
-    return _with_message(answer, "failed", sentence + _tail(ending))
+    answer = _with_message(answer, "failed", sentence + _tail(ending))
+    if ending.limit == "guard" or -(ending.code or 0) in _FROM_OUTSIDE:  # another start may have a result
+        answer = msgspec.structs.replace(answer, record=replace(answer.record, key=""))
+    return answer
 
 
 def _last_answer(ending: Ending, request: Request) -> Answer:
