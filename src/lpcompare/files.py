@@ -21,6 +21,7 @@ except ImportError:  # Windows, where parts of killed processes stay
     fcntl = None  # type: ignore[assignment]
 
 ANOTHER_FOLDER = "make room, or name another folder with --out"
+ANOTHER_TMPDIR = "make room, or name another folder for temporary files with the variable TMPDIR"
 CONTINUE = "make room and continue with --resume"
 _AGAIN = "make room, or choose a place that can be written, and try again"
 _PART, _DIGITS = ".lpcompare-", 16

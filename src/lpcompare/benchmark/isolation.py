@@ -12,6 +12,7 @@ from lpcompare.benchmark.case import Request, run_case
 from lpcompare.benchmark.environment import physical_memory_mib
 from lpcompare.benchmark.record import Record
 from lpcompare.errors import InputError, MethodError, NotApplicable
+from lpcompare.files import ANOTHER_TMPDIR
 from lpcompare.io.arrays import digest, load_arrays, save_cloud
 from lpcompare.processes.children import Children, temporary_folder
 from lpcompare.registry import Seed
@@ -67,7 +68,7 @@ def call_isolated(
         The method failed, crashed, or reached a limit.
     """
     with temporary_folder() as folder:
-        save_cloud(folder / "input.npz", cloud)
+        save_cloud(folder / "input.npz", cloud, ANOTHER_TMPDIR)
         request = Request(
             record=_asked(name, cloud, target_count),
             input=str(folder / "input.npz"),

@@ -148,9 +148,9 @@ def _rows_of(array: NDArray[Any] | None, n_points: int, widths: tuple[int, ...])
     return array
 
 
-def save_arrays(path: Path, arrays: Mapping[str, NDArray[Any]]) -> None:
-    """Write an .npz whole or not at all; raises `InputError` where it cannot be written."""
-    with whole_file(path, CONTINUE) as part, part.open("wb") as file:
+def save_arrays(path: Path, arrays: Mapping[str, NDArray[Any]], remedy: str = CONTINUE) -> None:
+    """Write an .npz whole or not at all; raises `InputError` with the remedy where it cannot be written."""
+    with whole_file(path, remedy) as part, part.open("wb") as file:
         np.savez(file, allow_pickle=False, **arrays)
 
 
@@ -171,9 +171,9 @@ def load_arrays(path: Path) -> dict[str, NDArray[Any]]:
         ) from error
 
 
-def save_cloud(path: Path, cloud: PointCloud) -> None:
-    """Write a cloud with everything that it carries but lists."""
-    save_arrays(path, packed(cloud))
+def save_cloud(path: Path, cloud: PointCloud, remedy: str = CONTINUE) -> None:
+    """Write a cloud with everything that it carries but lists; raises `InputError` as `save_arrays` does."""
+    save_arrays(path, packed(cloud), remedy)
 
 
 def load_cloud(path: Path) -> PointCloud:

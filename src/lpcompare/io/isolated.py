@@ -23,6 +23,7 @@ from typing import IO, Any
 import numpy as np
 
 from lpcompare.errors import InputError, Unavailable
+from lpcompare.files import ANOTHER_TMPDIR, writing
 from lpcompare.io.arrays import packed, unpacked
 from lpcompare.io.rows import Damaged
 from lpcompare.types import Indices, PointCloud
@@ -32,6 +33,9 @@ _SECONDS_PER_MIB = 2.0
 _MEMORY_BYTES = 2 * 2**30
 _MEMORY_PER_BYTE = 60
 _PARENT_DEATH = 1  # of Linux's prctl
+_NO_ROOM = 28
+"""Exit code of a child whose answer could not be written."""
+
 _ROOT = Path(__file__).parents[2]
 _START = (
     "import sys; sys.path.append(sys.argv[1]); from lpcompare.io.isolated import main; main(*sys.argv[2:])"
@@ -58,8 +62,9 @@ def read(family: str, path: Path) -> PointCloud:
 def keep_rows(family: str, source: Path, target: Path, rows: Indices) -> tuple[str, ...]:
     """Do what ``keep_rows`` of a file of this folder does; raises as `read`."""
     with tempfile.TemporaryFile() as answer, tempfile.TemporaryFile() as given:
-        np.save(given, rows)
-        given.seek(0)
+        with writing(Path(tempfile.gettempdir()), ANOTHER_TMPDIR):
+            np.save(given, rows)
+            given.seek(0)
         return tuple(_answer(source, [family, "keep_rows", str(source), str(target)], given, answer)["names"])
 
 
@@ -80,6 +85,8 @@ def _answer(path: Path, arguments: list[str], given: int | IO[bytes], answer: IO
         )
     except subprocess.TimeoutExpired as error:
         raise Damaged(f"its reader did not come back within {limit:.0f} s") from error
+    if child.returncode == _NO_ROOM:
+        raise InputError(f"{tempfile.gettempdir()} has no room for the points of {path}; {ANOTHER_TMPDIR}.")
     answer.seek(0)
     line = answer.readline()
     if not line.endswith(b"\n"):
@@ -116,12 +123,15 @@ def main(family: str, action: str, source: str, target: str = "") -> None:
         error, reason = "OSError", failure.strerror or type(failure).__name__
     except BaseException:  # a Rust panic is no Exception; a library's own text is not for people
         error, reason = "Damaged", "it is damaged, or not of this format"
-    out.write(
-        json.dumps({"error": error, "reason": reason, "names": names, "beside": beside}).encode() + b"\n"
-    )
-    for array in values:
-        np.save(out, array, allow_pickle=False)
-    out.close()
+    try:
+        out.write(
+            json.dumps({"error": error, "reason": reason, "names": names, "beside": beside}).encode() + b"\n"
+        )
+        for array in values:
+            np.save(out, array, allow_pickle=False)
+        out.close()
+    except OSError:
+        os._exit(_NO_ROOM)
 
 
 def _limit(source: Path) -> None:

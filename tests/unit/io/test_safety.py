@@ -1,6 +1,7 @@
 """Untrusted files and places: bombs, pipes, code beside a scan, links, modes and names of any bytes."""
 
 import os
+import shlex
 import signal
 import stat
 import subprocess
@@ -179,6 +180,18 @@ def test_a_signal_leaves_the_old_file_alone(number, tmp_path):
         bystander.terminate()
     assert names == {"a.txt", "c.txt"}
     assert file.read_text() == "old"
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems limit files in another way")
+def test_temporary_files_without_room_are_not_blamed_on_the_scan(tmp_path):
+    write(tmp_path / "a.laz", PointCloud(np.random.default_rng(0).normal(size=(4000, 3))))
+    code = "import sys, lpcompare; lpcompare.read(sys.argv[1])"
+    words = "ulimit -f 60; exec " + shlex.join([sys.executable, "-c", code, str(tmp_path / "a.laz")])
+    done = subprocess.run(
+        words, shell=True, capture_output=True, text=True, check=False, executable="/bin/bash"
+    )
+    assert "has no room for the points of" in done.stderr
+    assert "TMPDIR" in done.stderr
 
 
 def test_no_signal_is_caught_once_a_file_is_written(tmp_path):
