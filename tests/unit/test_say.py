@@ -1,8 +1,10 @@
 """Lines on a terminal: broken between words, none longer than the terminal, nothing lost."""
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from lpcompare import cli
 from lpcompare.cli._say import broken
 
 WORDS = st.lists(st.text("abc-/._", min_size=1, max_size=12), min_size=1, max_size=40)
@@ -23,3 +25,14 @@ def test_what_follows_stands_below_the_text():
 def test_a_long_path_stays_whole():
     path = "/a/" + "long-folder/" * 10
     assert path in broken(f"The run is in {path}; look at it.", 40).split("\n")[1]
+
+
+def test_too_little_memory_is_one_sentence(monkeypatch, capsys):
+    def work(**_):
+        raise MemoryError
+
+    monkeypatch.setattr(cli, "build_app", lambda: work)
+    with pytest.raises(SystemExit) as end:
+        cli.main()
+    assert end.value.code == 2
+    assert "more memory than there is" in capsys.readouterr().err

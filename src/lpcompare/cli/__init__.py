@@ -72,6 +72,8 @@ def main() -> None:
         _quit(str(error))
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    except MemoryError:
+        _quit("The work needs more memory than there is; give a smaller cloud, or --memory and --tiles.")
     except OSError as error:
         _quit(f"{error.filename or 'The system'}: {error.strerror or error}.")
 
