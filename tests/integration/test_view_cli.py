@@ -2,6 +2,7 @@
 
 import os
 import sys
+import tempfile
 
 import numpy as np
 import pytest
@@ -114,3 +115,10 @@ def test_a_port_that_is_none_is_one_sentence(port, view, scan, tmp_path):
     lpcompare.run(models=[str(scan)], methods=["random_sample"], reductions=[0.5], out=tmp_path / "run")
     code, _, err, _ = view(tmp_path / "run", "--serve", "--port", port)
     assert (code, err) == (2, f"lpcompare: port is {port}; give an integer from 0 to 65535.\n")
+
+
+def test_what_cannot_be_shown_leaves_no_folder(view, tmp_path, monkeypatch):
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    (tmp_path / "broken.ply").write_text("ply")
+    assert view(tmp_path / "broken.ply")[0] == 2
+    assert [path.name for path in tmp_path.iterdir()] == ["broken.ply"]

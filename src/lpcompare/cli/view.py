@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import sys
 import tempfile
 import webbrowser
@@ -51,13 +52,25 @@ def command(
 
 
 def _write_page(target: str, out: Path | None) -> Path:
+    from lpcompare.benchmark.run_folder import file_name
+
+    if out is not None:
+        return _show(target, out)
+    folder = Path(tempfile.mkdtemp(prefix="lpcompare-"))
+    try:
+        return _show(target, folder / f"{file_name(Path(target).stem)}.html")
+    except BaseException:
+        shutil.rmtree(folder, ignore_errors=True)
+        raise
+
+
+def _show(target: str, out: Path) -> Path:
+    """Write the page of a run, a file or a model."""
     from lpcompare.benchmark.runner import load_models
     from lpcompare.report.page import write_page, write_view
 
-    path = Path(target)
-    out = out or Path(tempfile.mkdtemp(prefix="lpcompare-")) / f"{path.stem}.html"
-    if _is_run(path):
-        return write_page(path, out)
+    if _is_run(Path(target)):
+        return write_page(target, out)
     (cloud,) = load_models([target], tell=lambda sentence: say(sentence, err=True)).values()
     return write_view(cloud, out)
 
