@@ -17,6 +17,7 @@ from urllib.parse import unquote
 import numpy as np
 from numpy.typing import NDArray
 
+from lpcompare.io import e57
 from lpcompare.io.columns import AXES, COLORS, NORMALS, cloud_of
 from lpcompare.io.rows import Damaged, check_held
 from lpcompare.mesh_library import pymeshlab
@@ -57,6 +58,11 @@ def read(path: Path) -> PointCloud:
     meshes = [layers.mesh(i) for i in range(layers.mesh_number())]
     with_faces = any(mesh.face_number() for mesh in meshes)
     parts = [_columns(mesh, with_normals=not with_faces) for mesh in meshes]
+    beside: list[str] = []
+    if path.suffix.lower() == ".e57":
+        found = e57.scans(path)
+        beside = e57.left_out(found, sum(len(part["x"]) for part in parts))
+        parts = _without_made_colors(parts, found)
     sizes = [len(part["x"]) for part in parts]
     columns = {
         name: np.concatenate([p.get(name, np.full(n, np.nan)) for p, n in zip(parts, sizes, strict=True)])
@@ -64,7 +70,19 @@ def read(path: Path) -> PointCloud:
     }
     starts = np.cumsum([0, *sizes])
     faces = np.concatenate([mesh.face_matrix() + start for mesh, start in zip(meshes, starts, strict=False)])
-    return cloud_of(columns, path.stem, faces.astype(np.intp) if with_faces else None)
+    return cloud_of(columns, path.stem, faces.astype(np.intp) if with_faces else None, beside)
+
+
+def _without_made_colors(
+    parts: list[dict[str, NDArray[np.float64]]], scans: list[e57.Scan]
+) -> list[dict[str, NDArray[np.float64]]]:
+    """The columns of the layers of an E57 with the colors that it has."""
+    if len(parts) != len(scans):
+        raise Damaged(f"MeshLab reads {len(parts)} of its {len(scans)} scans")
+    return [
+        part if scan.has_colors else {name: v for name, v in part.items() if name not in COLORS}
+        for part, scan in zip(parts, scans, strict=True)
+    ]
 
 
 def _load(layers: Any, path: Path) -> None:

@@ -198,6 +198,8 @@ def _sentences(path: Path) -> Iterator[None]:
 def _check_source(path: Path) -> None:
     if path.is_dir():
         raise InputError(f"{path} is a folder; name a file.")
+    if str(path) == "-" and not path.exists():
+        raise InputError("Standard input cannot be read; write it to a file first and name that.")
     size = path.stat().st_size
     if not path.is_file():
         raise InputError(f"{path} is no regular file but a pipe or device; write it to a file first.")
@@ -212,9 +214,9 @@ def _check_folder(path: Path) -> None:
     if target.exists() and not target.is_file():
         raise InputError(f"{path} is not a file; name a file to write.")
     if not target.parent.is_dir():
-        raise InputError(f"The folder {path.parent} does not exist; create it or name another.")
+        raise InputError(f"The folder {target.parent} does not exist; create it or name another.")
     if not os.access(target.parent, os.W_OK | os.X_OK):
-        raise InputError(f"The folder {path.parent} cannot be written to; name another.")
+        raise InputError(f"The folder {target.parent} cannot be written to; name another.")
 
 
 def _module(family: str) -> ModuleType:

@@ -207,6 +207,17 @@ def test_a_link_stays_and_its_file_is_replaced(tmp_path):
     assert len(read(tmp_path / "real.ply")) == 3
 
 
+def test_a_link_to_nowhere_names_the_folder_that_is_missing(tmp_path):
+    (tmp_path / "link.ply").symlink_to("nowhere/a.ply")
+    with pytest.raises(InputError, match=f"{tmp_path}/nowhere does not exist"):
+        write(tmp_path / "link.ply", CLOUD)
+
+
+def test_standard_input_is_no_missing_file():
+    with pytest.raises(InputError, match="Standard input cannot be read"):
+        read("-")
+
+
 @pytest.mark.parametrize(
     "suffix", [".ply", ".obj", ".off", ".xyz", ".csv", ".npy", ".npz", ".pcd", ".las", ".laz"]
 )
