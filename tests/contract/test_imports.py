@@ -28,7 +28,8 @@ ALLOWED = {
     "interplay": CORE | {"checks"},
     "simplify": CORE | {"checks", "geometry", "interplay", "max_error", "registry", "benchmark"},
     "large": CORE
-    | {"checks", "files", "geometry", "io", "paper", "progress", "registry", "threads", "tiles", "uniform"},
+    | {"checks", "files", "geometry", "io", "paper", "processes", "progress", "registry", "threads"}
+    | {"tiles", "uniform"},
     "tiles": CORE | {"checks", "files", "geometry", "io", "progress"},
     "baselines": CORE | {"mesh_library", "geometry"},
     "metrics": CORE | {"checks", "interplay", "mesh_library", "geometry", "registry"},

@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from typing import Any
 
 from lpcompare.errors import InputError, Unavailable
+from lpcompare.processes.children import temporary_folder
 from lpcompare.threads import thread_count
 
 _DEATHS = 10
@@ -23,7 +24,8 @@ def local_client(n_workers: int) -> Iterator[Any]:
 
     threads = str(max(1, thread_count() // n_workers))
     with (
-        config.set({"distributed.scheduler.allowed-failures": _DEATHS}),
+        temporary_folder() as folder,
+        config.set({"distributed.scheduler.allowed-failures": _DEATHS, "temporary-directory": str(folder)}),
         distributed.LocalCluster(
             n_workers=n_workers,
             threads_per_worker=1,

@@ -2,6 +2,7 @@
 
 import os
 import signal
+import tempfile
 
 import pytest
 
@@ -25,8 +26,10 @@ def alone(files, tmp_path_factory):
     return path.read_bytes()
 
 
-def test_neither_workers_nor_their_deaths_change_a_byte(files, tmp_path, alone):
+def test_neither_workers_nor_their_deaths_change_a_byte_or_leave_one(files, tmp_path, alone, monkeypatch):
     done = []
+    (tmp_path / "temporary").mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "temporary"))
 
     def kill(stage, n_done, _):
         """End one worker in the middle of a stage."""
@@ -44,6 +47,7 @@ def test_neither_workers_nor_their_deaths_change_a_byte(files, tmp_path, alone):
     assert done
     for name in ("two", "killed", "one"):
         assert (tmp_path / f"{name}.npy").read_bytes() == alone
+    assert not list((tmp_path / "temporary").iterdir())
 
 
 def test_a_scheduler_that_does_not_answer_is_said():
