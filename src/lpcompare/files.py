@@ -38,6 +38,20 @@ def writing(path: Path, remedy: str = _AGAIN) -> Iterator[None]:
         raise InputError(f"{path} cannot be written ({error.strerror or _NO_REASON}); {remedy}.") from error
 
 
+def state_of(path: Path) -> tuple[int, int, int]:
+    """What changes when a file does: its place on the disk, its size and its time."""
+    facts = path.stat()
+    return facts.st_ino, facts.st_size, facts.st_mtime_ns
+
+
+def check_unchanged(path: Path, state: tuple[int, int, int]) -> None:
+    """Raise an `InputError` where a file is not as it was when its `state_of` was taken."""
+    if state_of(path) != state:
+        raise InputError(
+            f"{path} was changed while it was read; wait until the program that writes it has ended."
+        )
+
+
 @contextmanager
 def whole_file(path: Path, remedy: str = _AGAIN) -> Iterator[Path]:
     """The file to write instead of ``path``: it takes that place at the end, or is removed after a failure.

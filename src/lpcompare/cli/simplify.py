@@ -253,11 +253,13 @@ def _limits(time_limit: float | None, memory_limit: int | None, *, isolate: bool
 def _simplify_file(source: Path, target: Path | str, order: _Order, callback: Callback) -> str:
     """Read, thin, write; returns the report."""
     from lpcompare.checks import check_points
+    from lpcompare.files import state_of
     from lpcompare.io import read
     from lpcompare.simplify import simplify
 
     begin = perf_counter()
     callback("reading", 0, 0)
+    state = state_of(source) if source.exists() else None  # without one, the reader says so
     cloud = read(source)
     if order.strict:
         check_points(cloud.points, source.name)
@@ -278,7 +280,7 @@ def _simplify_file(source: Path, target: Path | str, order: _Order, callback: Ca
         result = _refined(cloud, result)
     callback("writing", 0, 0)
     with _output(target) as path:
-        notes = _write(source, path, cloud, result, rank=order.rank)
+        notes = _write(source, state, path, cloud, result, rank=order.rank)
     callback("error", 0, 0)
     line = _report(source, cloud, result, notes, begin)
     return line + (_evaluation(cloud, result) if order.evaluate else "")
@@ -311,7 +313,15 @@ def _looked_at(cloud: PointCloud, result: Simplification) -> np.ndarray:
     return np.flatnonzero(given)
 
 
-def _write(source: Path, path: Path, cloud: PointCloud, result: Simplification, *, rank: bool) -> list[str]:
+def _write(
+    source: Path,
+    state: tuple[int, int, int] | None,
+    path: Path,
+    cloud: PointCloud,
+    result: Simplification,
+    *,
+    rank: bool,
+) -> list[str]:
     """Write the result; returns what of the input it lacks, for the report line."""
     from dataclasses import replace
 
@@ -327,7 +337,7 @@ def _write(source: Path, path: Path, cloud: PointCloud, result: Simplification, 
         return [*notes, *write(path, PointCloud(result.points, name=cloud.name)), _MOVED]
     faces = [_FACES_LEFT_OUT] if cloud.faces is not None else []
     if same_format(source, path) and not rank:
-        return [*notes, *keep_rows(source, path, result.indices), *faces]
+        return [*notes, *keep_rows(source, path, result.indices, state), *faces]
     kept = cloud.take(result.indices)
     if rank:
         kept = replace(kept, attributes={**kept.attributes, "order": result.info["order"]})

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from lpcompare.errors import InputError, LpcompareError
-from lpcompare.files import whole_file
+from lpcompare.files import check_unchanged, state_of, whole_file
 from lpcompare.interplay import read_object
 from lpcompare.io import isolated
 from lpcompare.io.columns import fitted
@@ -73,8 +73,11 @@ def read(path: str | os.PathLike[str], *, drop_invalid: bool = False) -> PointCl
     path = Path(path)
     with _sentences(path), np.errstate(all="ignore"):
         _check_source(path)
-        family = _family(path)
-        cloud = isolated.read(family, path) if _isolated(family, path) else _module(family).read(path)
+        family, state = _family(path), state_of(path)
+        try:
+            cloud = isolated.read(family, path) if _isolated(family, path) else _module(family).read(path)
+        finally:
+            check_unchanged(path, state)  # it says more than that half a file is damaged
     invalid = ~np.isfinite(cloud.points).all(axis=1, keepdims=True).ravel()
     return cloud.take(~invalid) if drop_invalid and invalid.any() else cloud
 
@@ -126,7 +129,10 @@ def write(path: str | os.PathLike[str], cloud: Any) -> tuple[str, ...]:
 
 
 def keep_rows(
-    source: str | os.PathLike[str], target: str | os.PathLike[str], rows: Indices
+    source: str | os.PathLike[str],
+    target: str | os.PathLike[str],
+    rows: Indices,
+    state: tuple[int, int, int] | None = None,
 ) -> tuple[str, ...]:
     """Copy a file with some of its points: values, further properties, comments and header stay as they are.
 
@@ -136,6 +142,8 @@ def keep_rows(
         Files of the same format. The target may be the source.
     rows : ndarray of int, shape (m,)
         Points to keep, ascending.
+    state : tuple of int, optional
+        What `state_of` said of the source when the rows were chosen; it must be so still.
 
     Returns
     -------
@@ -157,9 +165,13 @@ def keep_rows(
             )
     _check_folder(target)
     with _sentences(source), np.errstate(all="ignore"), whole_file(target) as part:
-        if _isolated(family, source):
-            return isolated.keep_rows(family, source, part, rows)
-        return _module(family).keep_rows(source, part, rows)
+        state = state or state_of(source)
+        try:
+            if _isolated(family, source):
+                return isolated.keep_rows(family, source, part, rows)
+            return _module(family).keep_rows(source, part, rows)
+        finally:
+            check_unchanged(source, state)
 
 
 def same_format(source: str | os.PathLike[str], target: str | os.PathLike[str]) -> bool:

@@ -17,7 +17,7 @@ import numpy as np
 
 from lpcompare.checks import check_integer, check_target
 from lpcompare.errors import InputError, SolverError
-from lpcompare.files import replace_text, writing
+from lpcompare.files import check_unchanged, replace_text, state_of, writing
 from lpcompare.io import check_target as check_output
 from lpcompare.io import same_format
 from lpcompare.large.estimate import check_disk, choose_n_tiles, used_mib
@@ -181,7 +181,7 @@ def _run(job: Job, output: Path, executor: Executor) -> FilesResult:
     reading(job, run)
     module.stages(job, run)
     clock.stage("writing")
-    n_kept, outputs, notes = write_kept(job, output, executor.callback)
+    n_kept, outputs, notes = write_kept(job, output, executor.callback, lambda: _check_inputs(job))
     info = module.summary(job) if hasattr(module, "summary") else {}
     info["cuts"] = job.load("whole")["cuts"]
     n_points = int(job.load("whole")["count"])
@@ -294,7 +294,7 @@ def _continue(folder: Path) -> str:
 def _claim(job: Job, *, resume: bool) -> None:
     """Say in the folder what it is for; a folder of another order is not continued."""
     order = {
-        "inputs": [[str(path), path.stat().st_size, path.stat().st_mtime_ns] for path, _ in job.inputs],
+        "inputs": [[str(path), *state_of(path)] for path, _ in job.inputs],
         "method": [job.method, job.settings, job.target_count, job.n_tiles, job.seed, job.block_rows],
     }
     text = json.dumps(order, sort_keys=True, default=repr)
@@ -307,6 +307,13 @@ def _claim(job: Job, *, resume: bool) -> None:
             )
         return
     replace_text(place, json.dumps({"mark": mark, **order}, default=repr))
+
+
+def _check_inputs(job: Job) -> None:
+    """Raise an `InputError` where an input is not as it was at the start."""
+    begun = json.loads((job.folder / _ORDER).read_text())
+    for (path, _), (_, *state) in zip(job.inputs, begun["inputs"], strict=True):
+        check_unchanged(path, (*state,))
 
 
 @contextmanager

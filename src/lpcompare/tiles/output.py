@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,7 @@ from lpcompare.types import Indices
 
 
 def write_kept(
-    job: Job, output: Path, callback: Callback | None = None
+    job: Job, output: Path, callback: Callback | None = None, check: Callable[[], object] = lambda: None
 ) -> tuple[int, tuple[Path, ...], tuple[str, ...]]:
     """Write the kept rows to one file, or to a folder with a file for every input.
 
@@ -24,6 +25,8 @@ def write_kept(
     output : Path
         A folder that exists, or a file.
     callback : callable, optional
+    check : callable, optional
+        Raises where the rows may not take their place after all.
 
     Returns
     -------
@@ -39,13 +42,18 @@ def write_kept(
     else:
         groups = [(output, list(job.blocks))]
     for target, blocks in groups:
-        _write(target, blocks, kept, len(job.blocks), callback)
+        _write(target, blocks, kept, len(job.blocks), callback, check)
     notes = dict.fromkeys(note for path, _ in job.inputs if (note := note_on(path)))
     return sum(map(len, kept)), tuple(target for target, _ in groups), tuple(notes)
 
 
 def _write(
-    target: Path, blocks: list[Block], kept: list[Indices], n_blocks: int, callback: Callback | None
+    target: Path,
+    blocks: list[Block],
+    kept: list[Indices],
+    n_blocks: int,
+    callback: Callback | None,
+    check: Callable[[], object],
 ) -> None:
     chosen = [_rows_of(block, kept) for block in blocks]
     with writer(target, blocks[0].path, sum(map(len, chosen))) as append:
@@ -54,6 +62,7 @@ def _write(
                 append(block.path, read_rows(block.path, block.start, block.stop)[1][rows])
             if callback:
                 callback("writing", block.number + 1, n_blocks)
+        check()
 
 
 def _rows_of(block: Block, kept: list[Indices]) -> Indices:

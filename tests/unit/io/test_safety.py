@@ -14,7 +14,7 @@ import psutil
 import pytest
 
 from lpcompare.errors import InputError
-from lpcompare.files import _remove_left_parts, replace_text, whole_file
+from lpcompare.files import _remove_left_parts, replace_text, state_of, whole_file
 from lpcompare.io import keep_rows, read, write
 from lpcompare.types import PointCloud
 
@@ -152,7 +152,7 @@ def test_the_part_of_a_file_is_nobody_elses_and_goes_with_a_failure(tmp_path):
 WRITING = """
 import sys, time
 from pathlib import Path
-from lpcompare.files import _remove_left_parts, replace_text, whole_file
+from lpcompare.files import _remove_left_parts, replace_text, state_of, whole_file
 with whole_file(Path(sys.argv[1])) as part:
     part.write_text("half")
     print(flush=True)
@@ -211,6 +211,24 @@ def test_a_link_to_nowhere_names_the_folder_that_is_missing(tmp_path):
     (tmp_path / "link.ply").symlink_to("nowhere/a.ply")
     with pytest.raises(InputError, match=f"{tmp_path}/nowhere does not exist"):
         write(tmp_path / "link.ply", CLOUD)
+
+
+@pytest.mark.parametrize("suffix", [".xyz", ".ply", ".laz", ".npy"])
+def test_a_file_that_another_program_still_writes_is_no_cloud(suffix, tmp_path, monkeypatch):
+    """It grows while it is read, or after its rows were chosen."""
+    path, target = tmp_path / f"a{suffix}", tmp_path / f"b{suffix}"
+    write(path, CLOUD)
+    state = state_of(path)
+    assert keep_rows(path, target, np.array([0]), state) == ()
+    with path.open("ab") as file:
+        file.write(path.read_bytes())
+    with pytest.raises(InputError, match="changed while it was read"):
+        keep_rows(path, target, np.array([0]), state)
+    monkeypatch.setattr("lpcompare.io.formats.state_of", lambda _: state)
+    with pytest.raises(InputError, match="changed while it was read"):
+        read(path)
+    monkeypatch.undo()
+    assert len(read(target)) == 1, "what was there stays"
 
 
 def test_standard_input_is_no_missing_file():

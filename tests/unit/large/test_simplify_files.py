@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import shutil
 
 import laspy
 import numpy as np
@@ -238,6 +239,19 @@ def test_an_evaluation_leaves_the_tiles_of_an_interrupted_thinning(files, tmp_pa
     assert (tmp_path / ".thin.npy.spill" / "job.json").exists()
 
 
+def test_an_input_that_changes_meanwhile_is_refused(files, tmp_path):
+    shutil.copy(files[".npy"], tmp_path / "scan.npy")
+
+    def grow(stage, *_):
+        if stage == "writing":
+            with (tmp_path / "scan.npy").open("ab") as file:
+                file.write(b"more")
+
+    with pytest.raises(InputError, match="changed while it was read"):
+        thin(tmp_path / "scan.npy", tmp_path / "thin.npy", method="random_sample", callback=grow)
+    assert not (tmp_path / "thin.npy").exists()
+
+
 def test_two_processes_do_not_work_in_one_spill_folder(files, tmp_path):
     (tmp_path / ".thin.npy.spill").mkdir()
     with (
@@ -257,8 +271,6 @@ def test_a_full_disk_is_one_sentence_and_keeps_the_tiles(files, tmp_path):
 
 
 def test_a_disk_that_is_too_small_is_foreseen(files, tmp_path, monkeypatch):
-    import shutil
-
     full = shutil.disk_usage(tmp_path)._replace(free=1000)
     monkeypatch.setattr(shutil, "disk_usage", lambda _: full)
     with pytest.raises(InputError, match="needs about 0 MiB for the tiles and has 0 MiB"):
