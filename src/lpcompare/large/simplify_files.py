@@ -7,7 +7,7 @@ import json
 import os
 import shutil
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from importlib import import_module
 from pathlib import Path
@@ -242,7 +242,7 @@ def spilling_folder(folder: Path, *, resume: bool) -> Iterator[None]:
     """
     if folder.exists() and any(folder.iterdir()) and not (folder / _LOCK).exists():
         raise InputError(f"{folder} is not empty and no spill folder; name another one with --spill.")
-    with _sole_worker(folder):
+    with _sole_worker(folder), _many_open_files():
         if not resume:
             _empty(folder)
         try:
@@ -276,6 +276,23 @@ def _sole_worker(folder: Path) -> Iterator[None]:
         yield
     finally:
         lock.release()
+
+
+@contextmanager
+def _many_open_files() -> Iterator[None]:
+    """Let this process open as many files as its hard limit allows: a block may have one that stays open."""
+    try:
+        import resource
+    except ImportError:  # Windows has no such limit
+        yield
+        return
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    with suppress(ValueError, OSError):  # a hard limit that the system itself does not allow
+        resource.setrlimit(resource.RLIMIT_NOFILE, (hard, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_NOFILE, (soft, hard))
 
 
 def _empty(folder: Path) -> None:

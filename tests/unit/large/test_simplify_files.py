@@ -2,7 +2,9 @@
 
 import dataclasses
 import json
+import os
 import shutil
+import sys
 
 import laspy
 import numpy as np
@@ -59,6 +61,21 @@ def test_blocks_and_the_order_of_tasks_change_nothing(files, tmp_path, method, b
     monkeypatch.setattr(tasks, "_ordered", lambda some: in_order(list(reversed(some))) if some else [])
     thin(files[".npy"], tmp_path / "b.npy", method=method)
     assert (tmp_path / "a.npy").read_bytes() == (tmp_path / "b.npy").read_bytes()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there is no such limit")
+def test_more_blocks_than_files_may_be_open_at_once(files, tmp_path, blocks_of):
+    import resource
+
+    blocks_of(25)
+    limits = resource.getrlimit(resource.RLIMIT_NOFILE)
+    in_use = os.dup(0)
+    os.close(in_use)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (in_use + 30, limits[1]))
+    try:
+        assert thin(files[".npy"], tmp_path / "thin.npy", method="random_sample").n_kept == 600
+    finally:
+        resource.setrlimit(resource.RLIMIT_NOFILE, limits)
 
 
 def test_another_seed_gives_another_sample(files, tmp_path):
