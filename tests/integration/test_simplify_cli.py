@@ -85,6 +85,13 @@ def test_a_count_may_stand_for_the_reduction(lpcompare, cloud, tmp_path):
     assert laspy.read(tmp_path / "t.laz").header.point_count == 133
 
 
+def test_a_folder_as_input_is_told_how_to_name_its_files(lpcompare, tmp_path):
+    code, _, err = lpcompare(tmp_path, tmp_path / "out", "--count", "5")
+    assert code == 2
+    assert f"{tmp_path} is a folder; name its files" in err
+    assert not (tmp_path / "out").exists()
+
+
 def test_several_inputs_and_patterns_go_to_a_folder_and_one_bad_file_stops_no_other(
     lpcompare, cloud, tmp_path
 ):

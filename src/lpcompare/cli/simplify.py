@@ -414,6 +414,8 @@ def _pairs(paths: list[str], *, force: bool) -> list[tuple[Path, Path | str]]:
         raise InputError("Name at least one input and then the output.")
     *inputs, out = paths
     sources = [Path(match) for word in inputs for match in matches(word)]
+    if folder := next((source for source in sources if source.is_dir()), None):
+        raise InputError(f"{folder} is a folder; name its files, such as '{folder}/*.laz'.")
     if len(sources) == 1 and out == STANDARD_OUTPUT:
         return [(sources[0], out)]
     if len(sources) == 1 and not Path(out).is_dir():
