@@ -27,9 +27,10 @@ def test_a_long_path_stays_whole():
     assert path in broken(f"The run is in {path}; look at it.", 40).split("\n")[1]
 
 
-def test_too_little_memory_is_one_sentence(monkeypatch, capsys):
+@pytest.mark.parametrize("error", [MemoryError(), RuntimeError("can't start new thread")])
+def test_too_little_memory_is_one_sentence(error, monkeypatch, capsys):
     def work(**_):
-        raise MemoryError
+        raise error
 
     monkeypatch.setattr(cli, "build_app", lambda: work)
     with pytest.raises(SystemExit) as end:

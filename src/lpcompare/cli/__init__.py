@@ -17,6 +17,7 @@ from lpcompare.cli._say import complain, say
 from lpcompare.errors import LpcompareError
 
 EXIT_BAD_INPUT = 2
+_NO_MEMORY = "The work needs more memory than there is; give a smaller cloud, or --memory and --tiles."
 EXAMPLES = """Begin with: lpcompare run --model bunny
 
 Thin a file: lpcompare simplify scan.laz thin.laz --reduction 0.9
@@ -73,7 +74,11 @@ def main() -> None:
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     except MemoryError:
-        _quit("The work needs more memory than there is; give a smaller cloud, or --memory and --tiles.")
+        _quit(_NO_MEMORY)
+    except RuntimeError as error:
+        if "start new thread" not in str(error):  # Python's words where the system gives no memory for one
+            raise
+        _quit(_NO_MEMORY)
     except OSError as error:
         _quit(f"{error.filename or 'The system'}: {error.strerror or error}.")
 
