@@ -32,7 +32,7 @@ def test_too_little_memory_is_one_sentence(error, monkeypatch, capsys):
     def work(**_):
         raise error
 
-    monkeypatch.setattr(cli, "build_app", lambda: work)
+    monkeypatch.setattr(cli, "build_app", lambda *_: work)
     with pytest.raises(SystemExit) as end:
         cli.main()
     assert end.value.code == 2
