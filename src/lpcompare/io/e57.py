@@ -39,16 +39,18 @@ class Scan:
 
 def scans(path: Path) -> list[Scan]:
     """The scans of a file in its order; raises `Damaged` where it has no XML."""
-    content = path.read_bytes()
-    if len(content) < _HEADER.size:
-        raise Damaged("it ends within its header")
-    mark, start, length, page = _HEADER.unpack_from(content)
-    if mark != b"ASTM-E57" or not _CHECKSUM < page <= len(content) or start + length > len(content):
-        raise Damaged("its header is no header of an E57")
-    first = start // page
-    pages = (content[at : at + page - _CHECKSUM] for at in range(first * page, len(content), page))
-    begin = start - first * page
-    xml = b"".join(pages)[begin : begin + length]
+    with path.open("rb") as file:
+        header = file.read(_HEADER.size)
+        if len(header) < _HEADER.size:
+            raise Damaged("it ends within its header")
+        mark, start, length, page = _HEADER.unpack(header)
+        size = path.stat().st_size
+        if mark != b"ASTM-E57" or not _CHECKSUM < page <= size or start + length > size:
+            raise Damaged("its header is no header of an E57")
+        begin = start % page
+        file.seek(start - begin)
+        n_pages = -(-(begin + length) // (page - _CHECKSUM))
+        xml = b"".join(file.read(page)[:-_CHECKSUM] for _ in range(n_pages))[begin : begin + length]
     return [_scan(text) for text in _SCAN.findall(xml)]
 
 
