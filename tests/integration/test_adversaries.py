@@ -20,8 +20,8 @@ LIMITS = ["--reduction", 0.8, "--memory-limit", 1000, "--threads", 1]
 
 
 @pytest.fixture(scope="module")
-def run(program, cloud_file, plugin_environment, tmp_path_factory):
-    """Run methods, the misbehaving ones among them, in a folder."""
+def run(lpcompare, cloud_file, plugin_environment, tmp_path_factory):
+    """Run methods, the misbehaving ones among them, in a folder; by ``command``."""
     site = tmp_path_factory.mktemp("adversaries")
     for name in DEEDS:
         (site / f"{name}.py").write_text(source(name))
@@ -33,10 +33,10 @@ def run(program, cloud_file, plugin_environment, tmp_path_factory):
     before = plugin_environment["PYTHONPATH"]
     plugin_environment["PYTHONPATH"] = f"{before}{os.pathsep}{site}"
 
-    def run(folder, methods, *more):
+    def run(folder, methods, *more, command=lpcompare):
         words = [word for name in methods for word in ("--method", name)]
         words += [*LIMITS, "--out", folder, *more]
-        done = program("run", "--model", cloud_file, *words, timeout=3000)
+        done = command("run", "--model", cloud_file, *words, timeout=3000)
         assert done.returncode == int(any(m in DEEDS for m in methods) and not _all_ok(folder)), done.stderr
         assert done.stderr == ""
         assert "\x1b" not in done.stdout
@@ -57,15 +57,16 @@ def alone(run, tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def together(run, alone, tmp_path_factory):
-    """All of them, the honest ones at the beginning, in the middle and at the end.
+def together(run, program, alone, tmp_path_factory):
+    """All of them, the honest ones at the beginning, in the middle and at the end; nobody ends what they leave.
 
     The honest run goes first: it fills the cache of compiled kernels, which would count against the limit.
     """
     names = list(DEEDS)
     middle = len(names) // 2
     order = [HONEST[0], *names[:middle], HONEST[1], *names[middle:], HONEST[2]]
-    return run(tmp_path_factory.mktemp("together") / "run", order, "--jobs", 2, "--time-limit", 25)
+    folder = tmp_path_factory.mktemp("together") / "run"
+    return run(folder, order, "--jobs", 2, "--time-limit", 15, command=program)
 
 
 @pytest.mark.parametrize("name", DEEDS)
@@ -106,14 +107,14 @@ def test_nothing_is_left_behind(together):
 
 def test_a_resumed_run_takes_everything_over(together, run):
     methods = dict.fromkeys(record.method for record in together.records)
-    again = run(together.folder, methods, "--jobs", 2, "--time-limit", 25, "--resume")
+    again = run(together.folder, methods, "--jobs", 2, "--time-limit", 15, "--resume")
     assert again.records == together.records
 
 
 def test_alone_with_an_honest_method_each_has_its_row(run, alone, tmp_path, request):
     chosen = list(DEEDS) if request.config.getoption("--long") else random.Random(15).sample(list(DEEDS), 3)
     for name in chosen:
-        done = run(tmp_path / name, [HONEST[0], name, *HONEST[1:]], "--time-limit", 25)
+        done = run(tmp_path / name, [HONEST[0], name, *HONEST[1:]], "--time-limit", 15)
         check_row(done, name)
         check_honest(done, alone)
         shutil.rmtree(tmp_path / name)

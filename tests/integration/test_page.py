@@ -23,6 +23,9 @@ from lpcompare.types import PointCloud
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 FLAGS = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"]
+FLAGS += ["--disable-gpu-compositing"]  # the views alone go through software WebGL, not the whole page
+DRIVER = "GL Driver Message (OpenGL, Performance"
+"""The browser's own note that software WebGL is slow."""
 WAIT_MS = 120_000
 
 
@@ -47,7 +50,7 @@ class Visit:
         self.page.add_init_script(script)
         self.page.set_default_timeout(WAIT_MS)
         self.complaints, self.requests = [], []
-        self.page.on("console", lambda m: self.complaints.append(m.text))
+        self.page.on("console", lambda m: DRIVER in m.text or self.complaints.append(m.text))
         self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
         self.page.on("request", lambda request: self.requests.append(request.url))
         self.page.goto(path.as_uri() + fragment)

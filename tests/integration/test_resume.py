@@ -77,30 +77,6 @@ def _results(run):
     return {_identity(r): (r.status, r.n_output, r.points_sha256, r.metrics) for r in run.records}
 
 
-def test_kill_9_and_resume_equal_an_uninterrupted_run_to_the_bit(
-    lpcompare, words, start, uninterrupted, tmp_path
-):
-    out = tmp_path / "killed"
-    process = start(words, out, n_records=3)
-    os.kill(process.pid, signal.SIGKILL)
-    process.communicate()
-    half = load_run(out)
-    assert not half.complete
-    assert 3 <= len(half.records) < N_CASES
-    assert lpcompare(*words, "--out", out).returncode == 2, "a run is not overwritten"
-
-    assert lpcompare(*words, "--out", out, "--resume").returncode == 0
-    whole, other = load_run(out), uninterrupted
-
-    assert whole.complete
-    assert len(whole.records) == len(_results(whole)) == N_CASES
-    assert _results(whole) == _results(other)
-    seconds = {_identity(r): r.runtime_s for r in whole.records}
-    assert all(seconds[_identity(r)] == r.runtime_s for r in half.records), "finished cases are kept"
-    assert [r.cloud for r in whole.records] == [r.cloud for r in other.records]
-    _check_clouds(whole, other)
-
-
 def test_a_finished_run_is_resumed_without_running_anything(lpcompare, words, uninterrupted):
     folder, before = uninterrupted.folder, uninterrupted.records
     assert lpcompare(*words, "--threads", 1, "--out", folder, "--resume").returncode == 0
@@ -126,7 +102,9 @@ def test_only_what_a_limit_may_have_ended_is_run_again_under_another_limit(lpcom
     assert resume("--resume", "--time-limit", 200) == ["earlier", bad]
 
 
-def test_ctrl_c_leaves_a_readable_run_and_exit_code_130(words, start, tmp_path):
+def test_ctrl_c_leaves_a_readable_run_that_is_not_overwritten_and_exit_code_130(
+    lpcompare, words, start, tmp_path
+):
     process = start(words, tmp_path / "run", n_records=2)
     process.send_signal(signal.SIGINT)
     _, stderr = process.communicate(timeout=20)
@@ -138,6 +116,8 @@ def test_ctrl_c_leaves_a_readable_run_and_exit_code_130(words, start, tmp_path):
     assert 2 <= len(run.records) < N_CASES
     assert all(record.status == "ok" for record in run.records)
     assert (tmp_path / "run" / "records.csv").exists()
+    assert lpcompare(*words, "--out", tmp_path / "run").returncode == 2
+    assert load_run(tmp_path / "run").records == run.records
 
 
 def test_ctrl_c_ends_several_jobs_at_once(words, start, tmp_path):
@@ -159,23 +139,13 @@ def test_several_jobs_give_the_same_points_and_say_that_runtimes_are_unreliable(
 
 
 @pytest.fixture
-def on_a_full_disk(plugin_environment):
+def on_a_full_disk(lpcompare, plugin_environment, monkeypatch):
     """Run the command line where no file grows beyond a size: like a full disk, it fails in write()."""
 
     def run(size, *words):
-        limited = (
-            "import resource, signal; signal.signal(signal.SIGXFSZ, signal.SIG_IGN);"
-            f"resource.setrlimit(resource.RLIMIT_FSIZE, ({size}, resource.RLIM_INFINITY));"
-            "from lpcompare.cli import main; main()"
-        )
-        done = subprocess.run(
-            [sys.executable, "-c", limited, *map(str, words)],
-            env=plugin_environment,
-            capture_output=True,
-            text=True,
-            timeout=120,
-            check=False,
-        )
+        monkeypatch.setitem(plugin_environment, "LARGEST_FILE", str(size))
+        done = lpcompare(*words)
+        monkeypatch.delitem(plugin_environment, "LARGEST_FILE")
         assert done.returncode == 2
         assert "Traceback" not in done.stderr
         return done.stderr
@@ -336,19 +306,29 @@ def test_kill_9_at_any_moment_and_a_damaged_file_resume_to_the_bit(
 ):
     rng = np.random.default_rng(14)
     for moment in range(n_moments):
-        out, damage = tmp_path / f"run{moment}", DAMAGE[(moment + 1) % len(DAMAGE)]
+        out, damage = tmp_path / f"run{moment}", DAMAGE[moment % len(DAMAGE)]
         process = start([*words, "--threads", "1"], out, n_records=1 + moment % 3)
         time.sleep(rng.uniform(0, 1.5))
         os.kill(process.pid, signal.SIGKILL)
         process.communicate()
-        if (file := out / "records.jsonl").exists():  # else it was killed after its end
-            lines = file.read_bytes().split(b"\n")[:-1]
-            damage(lines, rng)
-            file.write_bytes(b"\n".join(lines) + b"\n")
-        done = lpcompare(*words, "--threads", 1, "--out", out, "--resume")
-        assert done.returncode == 0, (damage, done.stderr)
-        assert _results(load_run(out)) == _results(uninterrupted), damage
-        _check_clouds(load_run(out), uninterrupted)
+        _check_resumed(lpcompare, words, out, damage, rng, uninterrupted)
+
+
+def _check_resumed(lpcompare, words, out, damage, rng, uninterrupted):
+    if (file := out / "records.jsonl").exists():  # else it was killed after its end
+        lines = file.read_bytes().split(b"\n")[:-1]
+        damage(lines, rng)
+        file.write_bytes(b"\n".join(lines) + b"\n")
+    half = load_run(out)
+    done = lpcompare(*words, "--threads", 1, "--out", out, "--resume")
+    assert done.returncode == 0, (damage, done.stderr)
+    whole = load_run(out)
+    assert whole.complete
+    assert len(whole.records) == N_CASES
+    assert _results(whole) == _results(uninterrupted), damage
+    seconds = {_identity(r): r.runtime_s for r in whole.records}
+    assert all(seconds[_identity(r)] == r.runtime_s for r in half.records), "finished cases are kept"
+    _check_clouds(whole, uninterrupted)
 
 
 def _check_clouds(mine, theirs):
@@ -358,17 +338,17 @@ def _check_clouds(mine, theirs):
             assert all(np.array_equal(one[name], other[name]) for name in one)
 
 
-@pytest.mark.parametrize("spoil", ["cut", "gone"])
-def test_a_result_file_that_is_damaged_is_made_again(lpcompare, words, uninterrupted, tmp_path, spoil):
+def test_result_files_that_are_damaged_are_made_again(lpcompare, words, uninterrupted, tmp_path):
     shutil.copytree(uninterrupted.folder, tmp_path / "run")
-    victim = next(r for r in uninterrupted.records if r.cloud)
-    path = tmp_path / "run" / victim.cloud
-    path.write_bytes(path.read_bytes()[:-9]) if spoil == "cut" else path.unlink()
+    victims = [r for r in uninterrupted.records if r.cloud][:2]
+    cut, gone = (tmp_path / "run" / victim.cloud for victim in victims)
+    cut.write_bytes(cut.read_bytes()[:-9])
+    gone.unlink()
     done = lpcompare(*words, "--threads", 1, "--out", tmp_path / "run", "--resume")
     assert done.returncode == 0, done.stderr
     run = load_run(tmp_path / "run")
     again = [a for a, b in zip(run.records, uninterrupted.records, strict=True) if a.runtime_s != b.runtime_s]
-    assert [_identity(r) for r in again] == [_identity(victim)]
+    assert [_identity(r) for r in again] == [_identity(victim) for victim in victims]
     _check_clouds(run, uninterrupted)
 
 

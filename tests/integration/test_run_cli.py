@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from lpcompare.benchmark.record import load_run
+from lpcompare.cli.run import _plan
 
 QUICK = ["--method", "random_sample", "--method", "well_behaved", "--reduction", "0.8"]
 
@@ -183,14 +184,13 @@ def test_points_without_coordinates_are_left_out_and_counted(lpcompare, tmp_path
     assert run.inputs["holes"]["left_out"] == "2 points without coordinates"
 
 
-def test_a_studys_title_stays_until_a_flag_replaces_a_field_of_the_study(lpcompare, tmp_path, cloud_file):
-    (tmp_path / "study.toml").write_text(
-        "title = 'One ball.'\nmethods = ['random_sample']\nreductions = [0.8]"
+@pytest.mark.parametrize(("reductions", "title"), [([], "One ball."), ([0.9], "")])
+def test_a_studys_title_stays_until_a_flag_replaces_a_field_of_the_study(tmp_path, reductions, title):
+    path = tmp_path / "study.toml"
+    path.write_text(
+        "title = 'One ball.'\nmodels = ['sphere']\nmethods = ['random_sample']\nreductions = [0.8]"
     )
-    words = ["--study", tmp_path / "study.toml", "--model", cloud_file]
-    for name, more, title in (("own", [], "One ball."), ("other", ["--reduction", 0.9], "")):
-        assert lpcompare("run", *words, *more, "--out", tmp_path / name).returncode == 0
-        assert load_run(tmp_path / name).plan["title"] == title
+    assert _plan(str(path), {"methods": [], "reductions": reductions}, [], {}).title == title
 
 
 def test_a_dry_run_prints_the_plan_and_leaves_nothing(lpcompare, tmp_path, cloud_file):
@@ -218,7 +218,7 @@ def test_a_run_in_which_a_case_is_not_ok_says_so_by_its_exit_code(lpcompare, tmp
     assert [r.status for r in load_run(tmp_path / "run").records] == ["ok", "skipped"]
 
 
-@pytest.mark.parametrize("more", [[], ["--jobs", 2], ["--jobs", 2, "--refine"]], ids=str)
+@pytest.mark.parametrize("more", [[], ["--jobs", 2, "--refine"]], ids=str)
 def test_as_printed_hands_the_count_of_the_papers_method_to_all_others(lpcompare, tmp_path, cloud_file, more):
     words = ["--method", "random_sample", "--method", "lp_printed", "--protocol", "as-printed"]
     words += ["--set", "lp_printed.retention=keep-features", "--set", "lp_printed.n_clusters=3"]

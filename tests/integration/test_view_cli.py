@@ -3,11 +3,15 @@
 import os
 import sys
 import tempfile
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-import lpcompare
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "plugins"))
+
+from made_runs import plain_run  # noqa: F401
+
 from lpcompare.cli import main
 from lpcompare.io import write
 from lpcompare.types import PointCloud
@@ -52,23 +56,8 @@ def test_with_a_screen_it_opens_the_page(view, scan, tmp_path):
     assert view(scan, "--out", tmp_path / "a.html", "--no-browser", screen=":0")[1].startswith("The page is")
 
 
-def test_the_page_of_a_run_is_shown_too(view, scan, tmp_path, monkeypatch, capsys):
-    words = [
-        "run",
-        "--model",
-        scan,
-        "--method",
-        "random_sample",
-        "--reduction",
-        "0.5",
-        "--out",
-        tmp_path / "run",
-    ]
-    monkeypatch.setattr(sys, "argv", ["lpcompare", *map(str, words)])
-    with pytest.raises(SystemExit, match="0"):
-        main()
-    capsys.readouterr()
-    for target in (tmp_path / "run", tmp_path / "run" / "run.json"):
+def test_the_page_of_a_run_is_shown_too(view, plain_run, tmp_path):  # noqa: F811
+    for target in (plain_run, plain_run / "run.json"):
         assert view(target, "--out", tmp_path / "page.html")[0] == 0
         assert "random_sample" in (tmp_path / "page.html").read_text(encoding="utf-8")
 
@@ -111,9 +100,8 @@ def test_a_name_in_no_script_of_this_machine(view, scan, tmp_path):
 
 
 @pytest.mark.parametrize("port", [-1, 65536])
-def test_a_port_that_is_none_is_one_sentence(port, view, scan, tmp_path):
-    lpcompare.run(models=[str(scan)], methods=["random_sample"], reductions=[0.5], out=tmp_path / "run")
-    code, _, err, _ = view(tmp_path / "run", "--serve", "--port", port)
+def test_a_port_that_is_none_is_one_sentence(port, view, plain_run):  # noqa: F811
+    code, _, err, _ = view(plain_run, "--serve", "--port", port)
     assert (code, err) == (2, f"lpcompare: port is {port}; give an integer from 0 to 65535.\n")
 
 

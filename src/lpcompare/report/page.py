@@ -6,6 +6,7 @@ import gzip
 import math
 import os
 from collections.abc import Mapping
+from functools import cache
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -181,6 +182,11 @@ def _settings(table: pd.DataFrame) -> dict[str, list[tuple[str, str, Mapping[str
 
 
 def _render(template: str, context: Mapping[str, Any]) -> str:
+    return _environment().get_template(template).render(context)
+
+
+@cache
+def _environment() -> Environment:
     environment = Environment(
         loader=PackageLoader("lpcompare.report"),
         autoescape=True,
@@ -190,7 +196,7 @@ def _render(template: str, context: Mapping[str, Any]) -> str:
     )
     environment.filters |= {"number": number, "percent": percent, "rank": "{:.1f}".format, "tau": _tau}
     environment.globals |= {"quantity": quantity, "interval": _interval, "asset": _asset, "plotly": _plotly}
-    return environment.get_template(template).render(context)
+    return environment
 
 
 def _tau(value: float) -> str:
@@ -209,6 +215,7 @@ def _asset(name: str) -> Markup:
     return Markup((files("lpcompare.report") / "assets" / name).read_text(encoding="utf-8"))
 
 
+@cache
 def _plotly() -> Markup:
     """plotly.js, as its Python package ships it, packed; the page unpacks it when a chart comes into sight."""
     from plotly.offline import get_plotlyjs
