@@ -1,6 +1,7 @@
 """What every test may ask for."""
 
 import os
+import signal
 from pathlib import Path
 
 import pytest
@@ -17,8 +18,13 @@ def pytest_addoption(parser):
 
 
 def pytest_configure(config):
-    """Keep pytest-xdist at the order of `testpaths`: files with few and long tests must not come last."""
+    """Keep pytest-xdist at the order of `testpaths`, and let tests interrupt what they start.
+
+    Files with few and long tests must not come last.
+    """
     config.option.loadscopereorder = False
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # a job in the background of a script
+        signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture(scope="session")

@@ -150,8 +150,9 @@ def test_the_part_of_a_file_is_nobody_elses_and_goes_with_a_failure(tmp_path):
 
 
 WRITING = """
-import sys, time
+import signal, sys, time
 from pathlib import Path
+signal.signal(signal.SIGHUP, signal.SIG_DFL)  # perhaps under nohup
 from lpcompare.files import _remove_left_parts, replace_text, state_of, whole_file
 with whole_file(Path(sys.argv[1])) as part:
     part.write_text("half")
