@@ -239,6 +239,11 @@ def bunny() -> Iterator[str]:
     yield from ("```text", format_run(load_run(REPORTS / "bunny")).split("\n\n")[2].rstrip(), "```")
 
 
+def ratios() -> Iterator[str]:
+    """Pairs of benchmarks, and the cost of a point, from reports/benchmarks."""
+    yield from runpy.run_path(str(REPORTS / "benchmarks" / "draw.py"))["ratios"]()
+
+
 def _large() -> dict[str, Any]:
     """The functions of reports/large/tables.py."""
     return runpy.run_path(str(REPORTS / "large" / "tables.py"))
@@ -378,6 +383,7 @@ PARTS = {
         index,
         made,
         benchmarks,
+        ratios,
         command,
         python,
         metrics,

@@ -85,11 +85,14 @@ def steps(models: Path) -> dict[str, list[Words]]:
         "methods": study("methods", "fandisk", "stanford-bunny", "igea", *scanned, jobs=2),
         "benchmarks": [
             [*measure, *suites, "--benchmark-json=reports/benchmarks/baseline.json"],
-            [
-                *measure,
-                "tests/benchmarks/test_lp_filter.py",
-                "--benchmark-json=reports/benchmarks/filter.json",
-            ],
+            *(
+                [
+                    *measure,
+                    f"tests/benchmarks/test_{suite}.py",
+                    f"--benchmark-json=reports/benchmarks/{file}.json",
+                ]
+                for suite, file in (("lp_filter", "filter"), ("uniform", "uniform"))
+            ),
             [*python, "reports/benchmarks/draw.py"],
         ],
         "robustness": study("robustness", "fandisk", "stanford-bunny", *scanned),

@@ -56,6 +56,33 @@ def table() -> Iterator[str]:
         yield from (*markdown_table(heads, rows), "")
 
 
+def ratios() -> Iterator[str]:
+    """Pairs that were timed in turns, then the cost of a point by the size of the cloud."""
+    found = [
+        b
+        for file in ("filter.json", "uniform.json")
+        for b in json.loads((FOLDER / file).read_text(encoding="utf-8"))["benchmarks"]
+    ]
+    rows = [
+        [f"`{b['name'].removeprefix('test_')}`", f"{b['extra_info']['ratio']:.3g}"]
+        for b in found
+        if "ratio" in b["extra_info"]
+    ]
+    yield from (*markdown_table(["ours against the reference", "how many times as fast"], rows), "")
+    rows = [
+        [
+            f"`{b['params']['method']}`",
+            f"{b['params']['n_points']:,}",
+            f"{b['extra_info']['us_per_point']:.1f}",
+            f"{b['extra_info']['units']:.1f}",
+        ]
+        for b in sorted(found, key=lambda b: str(b["params"]))
+        if "us_per_point" in b["extra_info"]
+    ]
+    heads = ["method", "points", "microseconds a point", "neighbor passes"]
+    yield from markdown_table(heads, rows)
+
+
 def draw(out: Path) -> None:
     """Two columns: stages and metrics, and methods."""
     found = groups()

@@ -85,7 +85,8 @@ def prepare(methods: Sequence[str], metrics: Sequence[str]) -> None:
     """Call our own methods and metrics once, on a small cloud and one thread, before children are forked.
 
     What a rival imports, its own process imports: a library may start threads, which no fork takes along.
-    MeshLab starts none before its first filter. On a machine's first run the kernels are compiled here: those of
+    MeshLab starts none before its first filter. cvxpy is imported, though few programs are left to a solver: a
+    call's seconds must not hold that import. On a machine's first run the kernels are compiled here: those of
     the metrics by a second process.
     """
     from highspy import Highs
@@ -95,6 +96,8 @@ def prepare(methods: Sequence[str], metrics: Sequence[str]) -> None:
     for name in methods:
         if library(METHODS.traits(name)) == _ONE_GENERATOR_PER_PROCESS:
             _load_library(METHODS.traits(name))
+    if own:
+        import_module("cvxpy")
     with threadpool_limits(1):
         helper = _compile_apart(lambda: _try_metrics(metrics)) if own else None
         for name in own:

@@ -9,9 +9,8 @@ import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from threading import Event
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import cvxpy as cp
 import numpy as np
 from scipy.sparse import csr_array
 
@@ -22,6 +21,9 @@ from lpcompare.paper.highs import Canonical
 from lpcompare.paper.start import exchange, rearrange, starting_mask
 from lpcompare.threads import Progress, map_in_threads
 from lpcompare.types import Indices, Mask, Vector
+
+if TYPE_CHECKING:
+    import cvxpy as cp
 
 _TURNS = 12
 _TOGETHER = 64
@@ -134,6 +136,8 @@ def build_program(programs: Sequence[Program]) -> tuple[cp.Problem, cp.Variable,
         The points of all K clusters, then x_{nc+1} of each.
     y : cvxpy.Variable, shape (K,)
     """
+    import cvxpy as cp  # two seconds; most clusters are certified without a solver
+
     sizes = np.array([len(p.costs) for p in programs])
     n_clusters, n_points = len(sizes), int(sizes.sum())
     owners = np.append(np.repeat(np.arange(n_clusters), sizes), np.arange(n_clusters))
@@ -252,6 +256,8 @@ def _improve(
 
 def _select_cold(program: Program, settings: SolverSettings) -> tuple[Mask, Certificate]:
     """Leave the program to cvxpy and the solver."""
+    import cvxpy as cp
+
     costs, n_keep, goal = program.costs, program.n_keep, program.goal
     if program.trivial:
         return _all_or_none(program)

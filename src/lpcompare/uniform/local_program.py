@@ -9,9 +9,8 @@ part of the gap is largest are solved, one after another, and the bound is that 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import cvxpy as cp
 import numpy as np
 from scipy.sparse import csr_array
 
@@ -21,6 +20,9 @@ from lpcompare.paper.highs import Canonical
 from lpcompare.threads import Progress
 from lpcompare.types import Indices, Mask, Points, Vector
 from lpcompare.uniform.local_density import LocalDensity
+
+if TYPE_CHECKING:
+    import cvxpy as cp
 
 _TILE = 128
 _FINE = 1e-6
@@ -146,6 +148,8 @@ def build_program(program: LocalDensity, tile: Indices, mask: Mask) -> tuple[cp.
     mask : ndarray of bool, shape (n,)
         A selection; as many of the tile's points will be kept as it keeps.
     """
+    import cvxpy as cp
+
     reach, outside = _reach(program, tile, mask)
     x = cp.Variable(len(tile), boolean=True)  # eq. 26
     y, e = cp.Variable(len(outside), nonneg=True), cp.Variable(len(outside), nonneg=True)

@@ -34,15 +34,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from threading import Event
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import cvxpy as cp
 import numpy as np
 from scipy.sparse import csr_array
 
 from lpcompare.paper.highs import Canonical
 from lpcompare.types import Indices, Mask, Vector
 from lpcompare.uniform.quadrics import cheapest_of_each
+
+if TYPE_CHECKING:
+    import cvxpy as cp
 
 _EXCESS_PRICE = 100.0
 _MULTIPLIER_STEPS = 60
@@ -201,6 +203,8 @@ class _Model:
 
 def build_program(model: _Model) -> cp.Problem:
     """The boolean program of one cluster; its variables are ``x`` (nc + 1), ``y`` and ``e``."""
+    import cvxpy as cp
+
     n_points, n_keep = len(model.costs), model.n_keep
     x = cp.Variable(n_points + 1, boolean=True, name="x")  # eq. 26
     y, e = cp.Variable(name="y", nonneg=True), cp.Variable(name="e", nonneg=True)
