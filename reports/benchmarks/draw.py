@@ -76,7 +76,7 @@ def ratios() -> Iterator[str]:
             f"{b['extra_info']['us_per_point']:.1f}",
             f"{b['extra_info']['units']:.1f}",
         ]
-        for b in sorted(found, key=lambda b: str(b["params"]))
+        for b in found
         if "us_per_point" in b["extra_info"]
     ]
     heads = ["method", "points", "microseconds a point", "neighbor passes"]
