@@ -12,7 +12,7 @@ import re
 import runpy
 import sys
 from collections.abc import Iterator
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from statistics import geometric_mean
 from typing import Any
@@ -239,39 +239,10 @@ def bunny() -> Iterator[str]:
     yield from ("```text", format_run(load_run(REPORTS / "bunny")).split("\n\n")[2].rstrip(), "```")
 
 
-def ratios() -> Iterator[str]:
-    """Pairs of benchmarks, and the cost of a point, from reports/benchmarks."""
-    yield from runpy.run_path(str(REPORTS / "benchmarks" / "draw.py"))["ratios"]()
-
-
-def _large() -> dict[str, Any]:
-    """The functions of reports/large/tables.py."""
-    return runpy.run_path(str(REPORTS / "large" / "tables.py"))
-
-
-def seams() -> Iterator[str]:
-    """Tiles over the whole in memory."""
-    yield from _large()["seams"]()
-
-
-def stages() -> Iterator[str]:
-    """The cost of a point in each stage of tiles."""
-    yield from _large()["stages"]()
-
-
-def hours() -> Iterator[str]:
-    """Simulated hours on many workers."""
-    yield from _large()["hours"]()
-
-
-def rivals() -> Iterator[str]:
-    """Programs that thin the survey."""
-    yield from _large()["rivals"]()
-
-
-def benchmarks() -> Iterator[str]:
-    """Every benchmark of the baseline, from reports/benchmarks."""
-    yield from runpy.run_path(str(REPORTS / "benchmarks" / "draw.py"))["table"]()
+def _by_script(script: str, function: str) -> Iterator[str]:
+    """What a function of a script under reports/ yields, or returns as one text."""
+    lines = runpy.run_path(str(REPORTS / script))[function]()
+    yield from [lines] if isinstance(lines, str) else lines
 
 
 def made() -> Iterator[str]:
@@ -285,14 +256,9 @@ def made() -> Iterator[str]:
     yield from markdown_table(["step", "commit", "made", "machine", "wall time, s"], rows, "---")
 
 
-def index() -> Iterator[str]:
-    """The claims with interval, file and command."""
-    yield runpy.run_path(str(REPORTS / "claims.py"))["index"]()
-
-
 def claims() -> Iterator[str]:
     """The README's table."""
-    yield runpy.run_path(str(REPORTS / "claims.py"))["table"]()
+    yield from _by_script("claims.py", "table")
 
 
 def evidence() -> Iterator[str]:
@@ -374,21 +340,28 @@ PARTS = {
         seeds,
         times,
         bunny,
-        seams,
-        stages,
-        hours,
-        rivals,
         claims,
         evidence,
-        index,
         made,
-        benchmarks,
-        ratios,
         command,
         python,
         metrics,
         models,
     )
+}
+
+
+SCRIPTS = {
+    "claims.py": {"index": "index"},
+    "benchmarks/draw.py": {"benchmarks": "table", "ratios": "ratios"},
+    "large/tables.py": {name: name for name in ("seams", "stages", "hours", "rivals")},
+}
+"""Parts that a script under reports/ makes: the name of each, and the function."""
+
+PARTS |= {
+    part: partial(_by_script, script, function)
+    for script, parts in SCRIPTS.items()
+    for part, function in parts.items()
 }
 
 

@@ -123,13 +123,13 @@ def make(name: str, commands: list[Words], models: Path) -> None:
 
 def timed(name: str, commands: list[Words], models: Path, made: dict[str, Any]) -> None:
     """Make a step and note it; of one that is stopped, the seconds are noted, and those of its end are added."""
-    facts = capture((), os.cpu_count() or 1)
+    facts, head = capture((), os.cpu_count() or 1), commit()
     noted, began = made.get(name, {}), time.monotonic()
-    before = noted["seconds"] if noted.get("stopped") == facts["commit"].rstrip("+") else 0
-    ended: dict[str, str] = {"stopped": facts["commit"].rstrip("+")}
+    before = noted["seconds"] if noted.get("stopped") == head else 0
+    ended = {"stopped": head}
     try:
         make(name, commands, models)
-        ended = {"commit": facts["commit"].rstrip("+")}
+        ended = {"commit": head}
     finally:
         machine = f"{facts['cpu']}, {facts['cores_allowed']} cores, {facts['memory_mib'] / 1024:.0f} GiB"
         seconds = round(before + time.monotonic() - began)
