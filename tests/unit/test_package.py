@@ -57,6 +57,15 @@ def test_what_a_report_says_of_columns_loads_no_metric():
     assert run_python(code).splitlines() == ["% of diagonal", ""]
 
 
+def test_clusters_that_are_certified_without_a_solver_load_no_cvxpy():
+    code = (
+        "import sys, lpcompare; from lpcompare.models.synthetic import torus\n"
+        "result = lpcompare.simplify(torus(), target_reduction=0.9)\n"
+        "print(result.method, 'cvxpy' in sys.modules)"
+    )
+    assert run_python(code).split() == ["lp_uniform", "False"]
+
+
 def test_every_public_name_can_be_had():
     for name in lpcompare.__all__:
         assert getattr(lpcompare, name).__doc__
